@@ -307,12 +307,13 @@ double YamlNode::number(std::string_view unit) const {
   return value;
 }
 
-std::uint64_t YamlNode::whole_number() const {
+std::uint64_t YamlNode::whole_number(std::uint64_t least, std::uint64_t most) const {
   if (!is_scalar() || !tree_->plain) fail(fmt::format("must be a whole number, not {}", kind()));
   std::uint64_t value = 0;
   if (read_whole_text(tree_->scalar, value) != std::errc()) {
-    fail(fmt::format("{} is not a whole number from 0 to {}", shown(tree_->scalar), UINT64_MAX));
+    fail(fmt::format("{} is not a whole number from {} to {}", shown(tree_->scalar), least, most));
   }
+  if (value < least || value > most) fail(fmt::format("{} is outside [{}, {}]", value, least, most));
   return value;
 }
 

@@ -61,8 +61,8 @@ class YamlNode {
 
   std::vector<YamlNode> items() const;  // of a list
 
-  double number(std::string_view unit) const;                            // finite
-  std::uint64_t whole_number() const;                                    // 0, 1, 2, ...
+  double number(std::string_view unit) const;  // finite
+  std::uint64_t whole_number(std::uint64_t least = 0, std::uint64_t most = UINT64_MAX) const;
   std::array<double, 2> pair(std::string_view unit) const;               // a list of two finite numbers
   const std::string& text() const;                                       // not empty
   std::size_t one_of(const std::vector<std::string_view>& words) const;  // index of the word that it is

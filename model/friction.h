@@ -61,7 +61,7 @@ struct FrictionLaw {
     s.width = std::hypot(width, eps);
     if (second_shape < 1) {
       const double narrow = std::hypot(width / (1 - second_shape), eps);
-      s.second_shape = std::min(0.0, 1 - s.width / narrow);
+      s.second_shape = 1 - s.width / narrow;
     } else {
       s.second_shape = second_shape * width / s.width;
     }

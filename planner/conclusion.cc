@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "planner/problem/relaxable.h"
+
 namespace fjr {
 namespace {
 
@@ -18,6 +20,11 @@ std::string how_far(const Findings& found, const Session& session) {
       session.most_work(), found.starts, found.minima.size());
 }
 
+// Returns what a robust motion had come to when its time was over.
+std::string by_then(const Findings& found) {
+  return found.certified_for_the_robot ? "; a motion without margins for other arms was certified by then" : "";
+}
+
 // Suggests the default scheme: it may find motions for which others need finer meshes or have no suitable polynomial.
 std::string other_method(const Findings& found) {
   if (found.asked.method == kDefaultMethod) return "";
@@ -27,6 +34,7 @@ std::string other_method(const Findings& found) {
 void withdraw_rows(Plan& plan) {
   plan.trajectory.reset();
   plan.certificate.reset();
+  plan.solution.reset();
 }
 
 // Returns whether the planned rows keep every limit and the task: then a motion exists, and only its accuracy is
@@ -42,6 +50,8 @@ bool keeps_what_was_asked(const Certificate& certificate) {
 std::string advice(const std::vector<Relaxation>& relaxations) {
   if (relaxations.empty()) return "";
   const Relaxation& r = relaxations.front();
+  const bool by_its_value = r.kind == RelaxableKind::kLimit || r.kind == RelaxableKind::kDuration;
+  if (!by_its_value || r.rough) return "; " + sentence_of(r);
   return fmt::format("; with {} of {:.4g} {} (now {:g}) a motion may be found", name_of(r.name, r.joint), r.to, r.unit,
                      r.from);
 }
@@ -100,7 +110,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
     plan.infeasibility.reset();
     plan.status = session.deadline_passed() ? PlanStatus::kDeadline : PlanStatus::kCancelled;
     plan.reason = session.deadline_passed()
-                      ? fmt::format("the time budget of {} s was used up", session.options().deadline)
+                      ? fmt::format("the time budget of {} s was used up{}", session.options().deadline, by_then(found))
                       : "stopped on request";
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {

@@ -12,6 +12,7 @@
 #include "planner/conclusion.h"
 #include "planner/plan_fields.h"
 #include "planner/search/acceleration_penalty.h"
+#include "planner/search/detours.h"
 #include "planner/search/explain/explain.h"
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
@@ -55,7 +56,9 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
 }
 
 Known known_of(const Findings& found) {
-  Known known{.reached = found.carried_with, .out_of_reach = found.out_of_reach};
+  Known known;
+  known.out_of_reach = found.out_of_reach;
+  if (found.carried) known.reached = found.carried->limits;
   if (found.fastest) {
     known.fastest = &found.fastest->motion;
     known.certified = found.fastest->certified;
@@ -63,11 +66,21 @@ Known known_of(const Findings& found) {
   return known;
 }
 
+// Returns the alternative of which is told why there is no plan: the one that came nearest, or one with an open way.
+const Problem& alternative_to_explain(const Findings& found) {
+  if (found.fastest) return *found.fastest->alternative;
+  if (found.carried) return *found.carried->alternative;
+  const auto& all = found.alternatives;
+  const auto open =
+      all.size() < 2 ? all.end() : std::find_if(all.begin(), all.end(), [](const auto& one) { return !no_path(*one); });
+  return open == all.end() ? *all.front() : **open;
+}
+
 // Finds out why there is no plan. If the explanation finds a start for the request instead, planning goes on from
 // there.
 std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   session.enter(Phase::kExplaining);
-  Problem asked = *(found.fastest ? found.fastest->alternative : found.alternatives.front());
+  Problem asked = alternative_to_explain(found);
   asked.duration = found.asked.duration;
   const auto problem = std::make_shared<const Problem>(std::move(asked));
   const WhyNot why = explain(*problem, known_of(found), session);

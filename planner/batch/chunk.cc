@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/atomic_file.h"
+#include "common/host_name.h"
 #include "common/read_file.h"
 #include "common/strict_yaml.h"
 #include "planner/batch/deflate.h"
@@ -59,12 +60,6 @@ Descriptor open_locks(const Manifest& manifest) {
 }
 
 // ---- who plans ----
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  ::gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
 
 std::string now() {
   const std::time_t seconds = std::time(nullptr);

@@ -187,17 +187,11 @@ Value listed_value(const YamlNode& item, const Axis& axis, std::size_t index) {
   return {json, fmt::format("{}{}", for_file_name(axis.target.back()), index + 1)};
 }
 
-std::size_t read_count(const YamlNode& node) {
-  const std::uint64_t count = node.whole_number();
-  if (count < 1 || count > kMaxGridPoints) node.fail(fmt::format("{} is outside [1, {}]", count, kMaxGridPoints));
-  return count;
-}
-
 std::vector<Value> read_range(const YamlNode& node) {
   node.allow_keys({"from", "to", "count"});
   const double from = node.at("from").number("1"), to = node.at("to").number("1");
   std::vector<Value> values;
-  for (const double number : equidistant(from, to, read_count(node.at("count")))) {
+  for (const double number : equidistant(from, to, node.at("count").whole_number(1, kMaxGridPoints))) {
     values.push_back({number_json(number), fmt::format("{}", number)});
   }
   return values;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/thresholds.h"
+#include "planner/trajectory/finite.h"
 
 namespace fjr {
 namespace {
@@ -15,13 +15,8 @@ namespace {
 // All rows of a file at the longest sample period of a request, 5 ms: a rollout of it is over within seconds. [s]
 constexpr double kLongestTrajectory = 5e-3 * kMaxRows;
 
-bool finite(const Sample& row) {
-  const auto is_finite = [](double value) { return std::isfinite(value); };
-  std::array<double, kStates> state{};
-  row.state.copy_to(state.data());
-  return is_finite(row.time) && std::all_of(state.begin(), state.end(), is_finite) &&
-         std::all_of(row.torque.begin(), row.torque.end(), is_finite);
-}
+// Rollouts do not step over less than a tenth of that. fjr's own rows are at least half of kJumpSpacing apart. [s]
+constexpr double kClosestRows = 1e-9;
 
 struct Column {
   const char* name;
@@ -77,10 +72,14 @@ std::optional<std::string> malformed(const Trajectory& trajectory) {
   if (rows.size() > kMaxRows)
     return fmt::format("the trajectory has {} rows, at most {} are allowed", rows.size(), kMaxRows);
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (!finite(rows[k])) return fmt::format("row {} holds a value that is not finite", k + 1);
+    if (!is_finite(rows[k])) return fmt::format("row {} holds a value that is not finite", k + 1);
     if (k > 0 && !(rows[k].time > rows[k - 1].time)) {
       return fmt::format("time does not increase at row {} ({:.9f} s after {:.9f} s)", k + 1, rows[k].time,
                          rows[k - 1].time);
+    }
+    if (k > 0 && rows[k].time - rows[k - 1].time < kClosestRows) {
+      return fmt::format("row {} at {:.9f} s is {:.1e} s after the row before it, at least {:.0e} s are needed", k + 1,
+                         rows[k].time, rows[k].time - rows[k - 1].time, kClosestRows);
     }
   }
   if (const double duration = trajectory.end_time() - trajectory.start_time(); duration > kLongestTrajectory) {

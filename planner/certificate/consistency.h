@@ -9,8 +9,8 @@
 
 namespace fjr {
 
-// Returns why the rows cannot be rolled out: too few or too many, not finite, time not increasing, or longer than the
-// longest rollout, 164 s. Returns nothing if they can.
+// Returns why the rows cannot be rolled out: too few or too many, not finite, time not increasing by 1 ns at least, or
+// longer than the longest rollout, 164 s. Returns nothing if they can.
 std::optional<std::string> malformed(const Trajectory& trajectory);
 
 // Returns a sentence if a velocity column does not belong to its position column, else nothing. In every

@@ -118,9 +118,13 @@ class PublishedExtremes {
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       std::vector<double> u;
       for (const Sample& row : rows_) u.push_back(row.torque[j] - law.nonlinear(row.state.dtheta[j]));
-      each_pair_for_torque_rates(rows_, [&](std::size_t earlier, std::size_t later) {
-        const double apart = rows_[later].time - rows_[earlier].time;
-        include(Quantities::first_limit<LimitedTorqueRate>() + j, (u[later] - u[earlier]) / apart, rows_[later].time);
+      const auto at = [&](const BetweenRows& b) {
+        const double from = rows_[b.row].time, to = rows_[b.row + 1].time;
+        return std::lerp(u[b.row], u[b.row + 1], (b.time - from) / (to - from));
+      };
+      each_pair_for_torque_rates(rows_, [&](const BetweenRows& earlier, const BetweenRows& later) {
+        const double rate = (at(later) - at(earlier)) / (later.time - earlier.time);
+        include(Quantities::first_limit<LimitedTorqueRate>() + j, rate, later.time);
       });
     }
   }

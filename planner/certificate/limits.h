@@ -1,6 +1,7 @@
 // Compares the limits with the published rows and their interpolation, and with the closed-loop rollout.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -17,20 +18,37 @@ namespace fjr {
 std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,
                                      const Comparison& rollout);
 
-// Visits the pairs of rows whose difference quotients are the rates of the torque. Calls visit(earlier, later) with the
-// indices of all pairs that are at least kTorqueRateSpan and less than twice that apart, and of each row with the last
-// one before it that is farther away. If all rows together take less time, the pair is the first and the last. (The
-// mean over more time is no larger than the largest of these.)
+// An instant between row `row` and the next one.
+struct BetweenRows {
+  std::size_t row;
+  double time;  // [s]
+};
+
+// Visits the pairs of instants whose difference quotients are the rates of the torque. Between rows u counts as linear.
+// No other two instants from kTorqueRateSpan to twice that apart have a larger mean rate than the largest of these: all
+// pairs of rows that are that far apart, and of every row the instants at either of these distances before and after
+// it. If all rows together take less time, the pair is the first and the last. Calls visit(earlier, later).
 template <class Visit>
 void each_pair_for_torque_rates(const std::vector<Sample>& rows, const Visit& visit) {
+  const double begin = rows.front().time, end = rows.back().time;
+  const auto from_row = [&](std::size_t row, double time) {
+    while (row > 0 && rows[row].time > time) --row;
+    while (row + 2 < rows.size() && rows[row + 1].time <= time) ++row;
+    return BetweenRows{row, time};
+  };
+  const auto row = [&](std::size_t k) { return BetweenRows{std::min(k, rows.size() - 2), rows[k].time}; };
+  if (end - begin <= kTorqueRateSpan) return visit(row(0), row(rows.size() - 1));
   std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
-  for (std::size_t k = 1; k < rows.size(); ++k) {
-    while (rows[k].time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
-    while (rows[k].time - rows[near].time >= kTorqueRateSpan) ++near;
-    if (far > 0) visit(far - 1, k);
-    for (std::size_t i = far; i < near; ++i) visit(i, k);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double time = rows[k].time;
+    while (time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
+    while (time - rows[near].time >= kTorqueRateSpan) ++near;
+    for (std::size_t i = far; i < near; ++i) visit(row(i), row(k));
+    for (const double span : {kTorqueRateSpan, 2 * kTorqueRateSpan}) {
+      if (time - span >= begin) visit(from_row(far, time - span), row(k));
+      if (time + span <= end) visit(row(k), from_row(k, time + span));
+    }
   }
-  if (near == 0) visit(std::size_t{0}, rows.size() - 1);
 }
 
 // Returns what the rollout may reach: the limit plus what the exactness tolerance explains; no limit on what is a

@@ -399,7 +399,7 @@ bool Rollout::run(double end, std::span<const double> instants, std::span<const 
     std::merge(stops.begin(), stops.end(), steps.begin(), steps.end(), std::back_inserter(all));
   }
   for (const double stop : all) {
-    if (stop - memory_->time < kNegligible) continue;
+    if (stop <= memory_->time) continue;
     if (end - stop < kNegligible) break;
     if (!memory_->run_to(stop, instants, observe)) return false;
   }

@@ -13,9 +13,9 @@ namespace fjr {
 inline constexpr double kFeedbackFraction = 0.01;
 // Published samples and what is between them: rounding only.
 inline constexpr double kPublishedFraction = 1e-6;
-// [s] least time over which rates of the torque are judged: half a tick of the executor, which commands means of the
-// torque over whole ticks. Rows are closer to each other where the torque has a corner. If the torque goes to and fro
-// within that time, at least half of the change is seen, over at most twice the time.
+// [s] least time over which rates of the torque are judged, by their mean, and half of the longest: half a tick of the
+// executor, which commands means of the torque over whole ticks. Rows are closer to each other where the torque has a
+// corner. If the torque goes to and fro within that time, at least half of the change is seen.
 inline constexpr double kTorqueRateSpan = 0.5e-3;
 // Fraction by which the rollout's velocities may exceed their limits, as the exactness tolerance explains.
 inline constexpr double kRolloutVelocityFraction = 1e-3;

@@ -37,7 +37,10 @@ template <class Ocp>
 class Sampling {
  public:
   Sampling(const Transcription<Ocp>& t, const Iterate& solution)
-      : t_(t), solution_(solution), nodes_(static_cast<std::size_t>(t.intervals()) + 1) {}
+      : t_(t),
+        solution_(solution),
+        points_(t.first_derivatives(solution.x)),
+        nodes_(static_cast<std::size_t>(t.intervals()) + 1) {}
 
   std::vector<SampledLimits> run() && {
     const int last = t_.scheme().stages() - 1;
@@ -84,10 +87,11 @@ class Sampling {
 
   double of_rows(int k, int j, const Rates& rates, bool with_control) const {
     double sum = 0;
+    const auto& rows = points_[static_cast<std::size_t>(k * t_.scheme().stages() + j)].rows;
     for (int c = 0; c < kC; ++c) {
       const int row = t_.path_row(k, j, c);
       if (row < 0 || Ocp::kRowUsesControl[static_cast<std::size_t>(c)] != with_control) continue;
-      const auto& slope = t_.derivatives_at(solution_.x, k, j).rows[static_cast<std::size_t>(c)].g;
+      const auto& slope = rows[static_cast<std::size_t>(c)].g;
       double rate = 0;
       for (int i = 0; i < kX; ++i) rate += slope[static_cast<std::size_t>(i)] * rates[static_cast<std::size_t>(i)];
       for (int i = 0; i < kU; ++i) rate += slope[static_cast<std::size_t>(kX + i)] * control_rate(k, i);
@@ -98,6 +102,7 @@ class Sampling {
 
   const Transcription<Ocp>& t_;
   const Iterate& solution_;
+  const typename Transcription<Ocp>::Derivatives& points_;
   std::vector<SampledLimits> nodes_;
 };
 

@@ -130,9 +130,19 @@ class Transcription final : public Nlp {
     return values_;
   }
 
-  // Returns the values with their derivatives by the state and the control of collocation point j in interval k.
-  const Point<Dual<kV>>& derivatives_at(const In& z, int k, int j) const {
-    return first_derivatives(z)[index(k * stages_ + j)];
+  // Returns the values with their derivatives by the state and the control. Solvers ask for the gradient, the Jacobian
+  // and the Hessian at the same z one after the other, so the results at the last z are cached. Therefore only one
+  // thread at a time may call an instance.
+  using Derivatives = std::vector<Point<Dual<kV>>>;
+  const Derivatives& first_derivatives(const In& z) const {
+    if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
+    derived_.resize(index(intervals() * stages_));
+    if constexpr (kClosedForm) find_at_states(z);
+    each_interval([&](int k, WorkSpace& space) {
+      for (int j = 0; j < stages_; ++j) derive(z, k, j, space, derived_[index(k * stages_ + j)]);
+    });
+    derived_at_ = z;
+    return derived_;
   }
 
   double objective(const In& z) const override {
@@ -316,7 +326,7 @@ class Transcription final : public Nlp {
       for (const auto& at : ocp_.cost_nodes) visit(at, node_at(static_cast<int>(at.node)));
     }
   }
-  template <class CostNode>
+  template <class CostNode>  // so that problems without cost nodes need no node_cost()
   double node_value(const CostNode& at, const double* x) const {
     return ocp_.node_cost(at, x);
   }
@@ -327,19 +337,6 @@ class Transcription final : public Nlp {
     return ocp_.node_cost(at, x.data());
   }
 
-  // Returns the first derivatives at every collocation point. Solvers ask for the gradient, the Jacobian and the
-  // Hessian at the same z one after the other, so the results at the last z are cached. Therefore only one thread at a
-  // time may call an instance.
-  const std::vector<Point<Dual<kV>>>& first_derivatives(const In& z) const {
-    if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
-    derived_.resize(index(intervals() * stages_));
-    if constexpr (kClosedForm) find_at_states(z);
-    each_interval([&](int k, WorkSpace& space) {
-      for (int j = 0; j < stages_; ++j) derive(z, k, j, space, derived_[index(k * stages_ + j)]);
-    });
-    derived_at_ = z;
-    return derived_;
-  }
   void derive(const In& z, int k, int j, WorkSpace& space, Point<Dual<kV>>& p) const {
     const Array<kV> values = stage_inputs(z, k, j);
     const Dual<kV>* v = space.inputs.at(values);

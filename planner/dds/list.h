@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -38,14 +37,6 @@ void copy_list(const List& from, Items& to) {
 template <class List>
 std::string_view bytes_of(const List& list) {
   return {reinterpret_cast<const char*>(list._buffer), list._length};
-}
-
-inline bool all_finite(const std::vector<Sample>& rows) {
-  return std::all_of(rows.begin(), rows.end(), [](const Sample& row) {
-    std::array<double, sizeof(Sample) / sizeof(double)> numbers;
-    std::memcpy(numbers.data(), &row, sizeof(Sample));
-    return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
-  });
 }
 
 }  // namespace fjr::dds

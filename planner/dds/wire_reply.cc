@@ -6,6 +6,7 @@
 #include "planner/dds/list.h"
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
+#include "planner/trajectory/finite.h"
 
 namespace fjr::dds {
 namespace {

@@ -6,17 +6,12 @@
 #include <cmath>
 
 #include "planner/protocol/epoch.h"
+#include "planner/trajectory/finite.h"
 
 namespace fjr {
 namespace {
 
 constexpr double kSpacingRounding = 1e-9;  // [s]
-
-bool finite(const Sample& row) {
-  const auto& x = row.state;
-  const auto both = [](const Joints<double>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
-  return std::isfinite(row.time) && both(x.q) && both(x.dq) && both(x.theta) && both(x.dtheta) && both(row.torque);
-}
 
 bool stands_still(const Sample& row) {
   constexpr double kStill = 1e-4;  // [rad/s]
@@ -47,7 +42,7 @@ std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
     return fmt::format("{} rows; a trajectory has at least 2 and at most {}", rows.size(), kMaxRows);
   }
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!finite(rows[i])) return fmt::format("row {} is not finite", i);
+    if (!is_finite(rows[i])) return fmt::format("row {} is not finite", i);
     if (i == 0) continue;
     const double since = rows[i].time - rows[i - 1].time;
     if (!(since > 0)) return fmt::format("time does not increase at row {}", i);

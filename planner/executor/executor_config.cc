@@ -37,15 +37,6 @@ void read_path(const YamlNode& root, std::string_view key, const std::filesystem
   if (const auto node = root.find(key)) to = folder / node->text();
 }
 
-template <class Whole>
-void read_whole(const YamlNode& root, std::string_view key, std::uint64_t most, Whole& to) {
-  const auto node = root.find(key);
-  if (!node) return;
-  const std::uint64_t value = node->whole_number();
-  if (value > most) node->fail(fmt::format("{} is outside [0, {}]", value, most));
-  to = static_cast<Whole>(value);
-}
-
 void read_tolerances(const YamlNode& node, Tolerances& to) {
   node.allow_keys({"path", "goal", "goal_time", "stopped_velocity"});
   read_pair(node, "path", "rad", 1e-4, 1, to.path);
@@ -96,7 +87,7 @@ ExecutorConfig load_executor_config(const std::filesystem::path& file) {
   root.allow_keys({"domain", "robot_id", "robot", "state", "logs", "priority", "oldest", "tolerances", "virtual_arm",
                    "security", "allow_insecure_network"});
   read_network(root, folder, config.network);
-  read_whole(root, "priority", 99, config.priority);
+  if (const auto node = root.find("priority")) config.priority = static_cast<int>(node->whole_number(0, 99));
   read_number(root, "oldest", "s", 3600, config.oldest);
   read_path(root, "robot", folder, config.robot);
   read_path(root, "state", folder, config.state);

@@ -79,9 +79,7 @@ class Rehearsed {
       check.clearance = clearance;
       check.time = time;
     }
-    // A count of the links' encoders is an angle, and moves the tip by that times the arm's length.
-    const double reach = row.kind == TaskRow::Kind::kAngles ? 1 : robot_.link.length[0] + robot_.link.length[1];
-    check.passed = check.clearance >= -exactness_tolerance(robot_) * reach;
+    check.passed = check.clearance >= -moved_by(robot_, row, exactness_tolerance(robot_));
   }
 
   const Parameters& robot_;

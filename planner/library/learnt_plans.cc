@@ -11,6 +11,8 @@
 namespace fjr {
 namespace {
 
+constexpr double kSame = 1e-3;  // [rad] a request this near an earlier one takes its place
+
 bool has_one_minimum(const Problem& p) {
   return only_time(p.weights) && p.via.empty() && count_of_rows(p.task) == 0 && p.start_at_rest && p.goal.at_rest;
 }
@@ -53,6 +55,9 @@ std::optional<WarmStart> LearntPlans::nearest(const Problem& problem) {
 void LearntPlans::remember(const Problem& problem, const std::string& request, const Plan& plan) {
   if (!plan.solution) return;
   if (const auto family = most_ > 0 && has_one_minimum(problem) ? family_of(problem) : std::nullopt) {
+    std::erase_if(plans_, [&](const auto& earlier) {  // a request that is repeated drives no others out
+      return earlier.family == *family && distance(earlier.problem, problem) <= kSame;
+    });
     plans_.push_back({problem, *family, plan.solution});
     if (plans_.size() > most_) plans_.pop_front();
   }

@@ -359,6 +359,8 @@ class InteriorPoint {
       return Search::kAtOnce;
     }
     go_to(std::move(watch_->point));
+    differentiate();
+    find_dual_residual();
     step = std::move(watch_->step);
     alpha = watch_->alpha;
     watch_.reset();

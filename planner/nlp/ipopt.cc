@@ -58,16 +58,6 @@ class Adapter final : public Ipopt::TNLP {
     return true;
   }
 
-  bool get_scaling_parameters(Number& objective, bool& use_x, Index n, Number* x, bool& use_g, Index m,
-                              Number* g) override {
-    objective = options_.objective_scaling;
-    use_x = options_.x_scaling.size() == n;
-    use_g = options_.g_scaling.size() == m;
-    if (use_x) view(x, n) = options_.x_scaling;
-    if (use_g) view(g, m) = options_.g_scaling;
-    return true;
-  }
-
   bool get_starting_point(Index n, bool want_x, Number* x, bool want_z, Number* z_lower, Number* z_upper, Index m,
                           bool want_lambda, Number* lambda) override {
     if (want_x) view(x, n) = start_.x;
@@ -124,6 +114,7 @@ class Adapter final : public Ipopt::TNLP {
                          Index m, const Number* g, const Number* lambda, Number objective, const Ipopt::IpoptData*,
                          Ipopt::IpoptCalculatedQuantities*) override {
     report.iterate = {view(x, n), view(lambda, m), view(z_lower, n), view(z_upper, n)};
+    forget_fixed(report.iterate);
     report.objective = objective;
     const VectorXd values = view(g, m);
     report.violation = 0;
@@ -133,6 +124,14 @@ class Adapter final : public Ipopt::TNLP {
   }
 
  private:
+  // From 3.14 on, Ipopt gives fixed variables the multipliers that make their gradient vanish. They have none here: on
+  // a finer mesh they would be interpolated to neighbours that are not fixed.
+  void forget_fixed(Iterate& iterate) const {
+    for (Eigen::Index i = 0; i < iterate.x.size(); ++i) {
+      if (nlp_.x_lower(i) == nlp_.x_upper(i)) iterate.z_lower(i) = iterate.z_upper(i) = 0;
+    }
+  }
+
   static bool copy(const std::vector<Nlp::Entry>& pattern, Index* row, Index* col) {
     for (const auto& entry : pattern) {
       *row++ = entry.row;
@@ -198,14 +197,11 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   o.SetNumericValue("mu_init", options.initial_barrier);
   // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
   if (monotone) o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
-  o.SetIntegerValue("print_level", options.print_level);
+  o.SetIntegerValue("print_level", 0);
   if (o.has("timing_statistics")) o.SetStringValue("timing_statistics", "yes");  // from 3.14 on, not by itself
   o.SetStringValue("sb", "yes");
   o.SetStringValue("fixed_variable_treatment", "make_parameter");
   o.SetNumericValue("bound_relax_factor", 0);  // a limit is a limit; the certificate checks it to 1e-6
-  if (options.x_scaling.size() > 0 || options.g_scaling.size() > 0) {
-    o.SetStringValue("nlp_scaling_method", "user-scaling");
-  }
   if (options.beginning != Beginning::kPoint) {
     o.SetStringValue("warm_start_init_point", "yes");
     o.SetNumericValue("warm_start_bound_push", 1e-9);

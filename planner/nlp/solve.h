@@ -60,12 +60,9 @@ struct SolveOptions {
   BarrierStrategy barrier_strategy = BarrierStrategy::kAdaptive;
   std::string linear_solver = kChainSolver;  // one of linear_solvers(), linear_solver.h
   Optimiser optimiser = Optimiser::kIpopt;
-  int print_level = 0;
   // Called after every iteration; return false to stop.
   std::function<bool(const IterationInfo&)> monitor;
-  DoBoth both = one_after_the_other;     // runs the two halves of a factorisation, possibly on two threads
-  Eigen::VectorXd x_scaling, g_scaling;  // empty: Ipopt's gradient-based scaling
-  double objective_scaling = 1;
+  DoBoth both = one_after_the_other;  // runs the two halves of a factorisation, possibly on two threads
 };
 
 struct SolveReport {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "model/friction.h"
+#include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
 #include "planner/problem/task/task.h"
 #include "planner/trajectory/motion.h"
@@ -13,7 +14,7 @@
 namespace fjr {
 namespace {
 
-constexpr int kProbes = 16;           // steps to check an interval; polynomials of degree <= 4 vary little within one
+constexpr int kProbes = 16;           // steps to check an interval; polynomials of degree <= 5 vary little within one
 constexpr double kEnlarge = 1.2;      // a margin grows by this times the excess
 constexpr double kLeast = 1e-5;       // fraction of a limit; a smaller margin would have no effect in the optimiser
 constexpr double kNegligible = 1e-7;  // fraction of a limit; smaller excesses are ignored, a tenth of the certificate's
@@ -109,11 +110,17 @@ std::vector<Given> given_states(const Problem& problem) {
     given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
   }
   const Goal& goal = problem.goal;
-  if (goal.any_free()) return given;
   const Joints<double> still{0, 0};
   const auto end = static_cast<double>(segment_count(problem));
   given.push_back(given_at(problem, end, segment_count(problem) - 1,
                            {goal.q, goal.dq, goal.theta.value_or(goal.q), goal.dtheta.value_or(still)}));
+  if (!goal.any_free()) return given;
+  // One angle is prescribed alone, so that nothing but its own limit is known to be near.
+  PerLimit& clearance = given.back().clearance;
+  for (std::size_t i = 0; i < clearance.size(); ++i) {
+    const bool known = i < kLimits && kLimitNames[i].is_of(LinkPosition::info) && !goal.free[kLimitNames[i].j()];
+    if (!known) clearance[i] = kNoLimit;
+  }
   return given;
 }
 
@@ -190,7 +197,8 @@ std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh
       if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
       off += frame.reserve(i, nodes[k], nodes[k + 1]);
       if (i < kLimits) {
-        if (std::isfinite(off)) kLimitNames[i].in(here.limits) -= off;
+        double& limit = kLimitNames[i].in(here.limits);
+        if (std::isfinite(off)) limit = std::max(limit - off, 0.0);
       } else {
         here.task_rows[i - kLimits][0] += off;
         here.task_rows[i - kLimits][1] -= off;
@@ -201,8 +209,9 @@ std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh
   return tightened;
 }
 
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep,
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& solved, double keep,
                                double slack) {
+  const Motion motion = with_integrated_positions(solved, mesh);  // as it is published
   const Joints<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
   const Frame frame(problem);
   const std::optional<Slack>& relaxing = problem.variation.slack;

@@ -14,7 +14,7 @@ constexpr double kResting = 2, kMoving = 6;
 
 // Returns the velocity [rad/s] over which the law rises at zero: the width of the narrower of its two tanh terms.
 double rising_width(const FrictionLaw& law) {
-  return law.second_shape < 1 ? law.width / (1 - law.second_shape) : law.width;
+  return law.second_shape < 1 ? std::min(law.width, law.width / (1 - law.second_shape)) : law.width;
 }
 
 // Scales a resting motor's velocity from a law of width `before` to one of width `after`; keeps that of a moving motor.

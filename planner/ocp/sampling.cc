@@ -44,21 +44,14 @@ class Sampler {
     return k > 0 && motion_.intervals[k].start >= time - kJumpSpacing ? k - 1 : k;
   }
 
-  Sample row(std::size_t interval, double time) const { return {time, state(interval, time), torque(interval, time)}; }
-
-  // Returns the state to publish. The certificate rejects samples whose velocities are not the derivatives of their
-  // positions. With a scheme of order 2 the velocities of the state differ from the derivatives by more than it allows,
-  // so the derivatives of the positions are published instead.
-  State<double> state(std::size_t interval, double time) const {
-    const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
-    return of_order_2 ? motion_.consistent_state_in(interval, time) : motion_.state_in(interval, time);
+  Sample row(std::size_t interval, double time) const {
+    return {time, motion_.state_in(interval, time), torque(interval, time)};
   }
 
-  // Returns tau_m with the friction of the published velocities, so that subtracting this friction again, as the check
-  // of torque_rate does, gives the u of the motion.
+  // Returns tau_m with the friction of the motion's velocities.
   Joints<double> torque(std::size_t interval, double time) const {
     Joints<double> tau = motion_.torque_in(interval, time);
-    const State<double> x = state(interval, time);
+    const State<double> x = motion_.state_in(interval, time);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double limit = problem_.limits.torque[j];
       tau[j] = std::clamp(tau[j] + friction_[j].nonlinear(x.dtheta[j]), -limit, limit);
@@ -147,7 +140,7 @@ class Sampler {
     smooth(split + kJumpSpacing, to);
   }
 
-  double velocity(std::size_t joint, double time) const { return state(motion_.interval_at(time), time).dtheta[joint]; }
+  double velocity(std::size_t joint, double time) const { return motion_.state_at(time).dtheta[joint]; }
 
   // Adds samples around steps of the friction torque, which are too fast to be found by bisecting the piece. Where a
   // motor reverses, there is one sample as far before as after the reversal, because the chord between them has the
@@ -205,7 +198,45 @@ class Sampler {
   Trajectory trajectory_;
 };
 
+using Coefficients = Eigen::Matrix<double, kStates, Eigen::Dynamic>;
+
+// Replaces the position polynomials by the integrals of the velocity polynomials. Returns by how much the integrals end
+// beyond the positions.
+Eigen::VectorXd integrate_positions(Motion::Interval& interval) {
+  const Coefficients before = interval.state;
+  const Eigen::Index count = before.cols();
+  interval.state.conservativeResize(Eigen::NoChange, count + 1);
+  interval.state.col(count).setZero();
+  for (const auto& [positions, velocities] : {std::pair{kStateQ, kStateDq}, std::pair{kStateTheta, kStateDtheta}}) {
+    for (Eigen::Index d = 0; d < count; ++d) {
+      interval.state.block<kJoints, 1>(positions, d + 1) =
+          interval.duration / static_cast<double>(d + 1) * before.block<kJoints, 1>(velocities, d);
+    }
+  }
+  return interval.state.rowwise().sum() - before.rowwise().sum();
+}
+
 }  // namespace
+
+Motion with_integrated_positions(Motion motion, const Mesh& mesh) {
+  constexpr Eigen::Index kOfOrder2 = 3;  // coefficients
+  if (motion.intervals.front().state.cols() != kOfOrder2) return motion;
+  for (std::size_t first = 0, end = 0; first < mesh.size(); first = end) {
+    std::vector<Eigen::VectorXd> missed{Eigen::VectorXd::Zero(kStates)};  // at the nodes of the segment
+    for (; end < mesh.size() && mesh.intervals[end].segment == mesh.intervals[first].segment; ++end) {
+      missed.push_back(missed.back() + integrate_positions(motion.intervals[end]));
+    }
+    const Motion::Interval& last = motion.intervals[end - 1];
+    const double begin = motion.intervals[first].start;
+    const Eigen::VectorXd slope = missed.back() / (last.start + last.duration - begin);
+    for (std::size_t k = first; k < end; ++k) {
+      Motion::Interval& interval = motion.intervals[k];
+      interval.state.col(0) += missed[k - first] - slope * (interval.start - begin);
+      interval.state.col(1) -= slope * interval.duration;
+    }
+  }
+  return motion;
+}
 
 Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error) {
   return Sampler(problem, motion, velocity_error).rows();

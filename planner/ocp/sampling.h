@@ -1,6 +1,7 @@
 // Converts the collocation polynomials of a motion to the samples that are published.
 #pragma once
 
+#include "planner/collocation/mesh.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/motion.h"
 #include "planner/trajectory/trajectory.h"
@@ -11,11 +12,17 @@ namespace fjr {
 // the errors of hundreds of samples rarely have the same sign.
 inline constexpr double kRowVelocityError = 1e-4;  // [rad/s]
 
+// Returns the motion with positions that are the integrals of its velocities. Those of the trapezoidal rule are not:
+// over an interval of length h they miss them by h^2 (a1 - a0) / 12 (a: accelerations at its ends). These errors nearly
+// cancel over a segment. Positions are moved on by them, and what is left at the end of the segment is taken off by a
+// straight line, so that the motion still meets what is asked there. Motions of other schemes are returned as they are.
+Motion with_integrated_positions(Motion motion, const Mesh& mesh);
+
 // Returns samples at multiples of the problem's sample period and at the end. Between them, where linear interpolation
 // would miss the torque's impulse, there are pairs of samples kJumpSpacing apart: one pair at each jump of the torque
-// (three samples if it falls on a multiple), and as many as fast changes of the friction torque need, at least 10 us
-// apart. tau_m = u + tau_fm_nonlinear(dtheta) with the exact law, clamped to the torque limits. velocity_error: allowed
-// interpolation error between two samples, as a velocity of the motor [rad/s].
+// (three samples if it falls on a multiple), and as many as fast changes of the friction torque need. tau_m = u +
+// tau_fm_nonlinear(dtheta) with the exact law, clamped to the torque limits. velocity_error: allowed interpolation
+// error between two samples, as a velocity of the motor [rad/s].
 Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error = kRowVelocityError);
 
 }  // namespace fjr

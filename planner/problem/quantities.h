@@ -196,8 +196,7 @@ struct SpringDeflection {
   }
 };
 
-// For published rows it is the difference quotient of u over 0.5 to 1 ms, or over two rows that are farther apart
-// (kTorqueRateSpan in planner/certificate/thresholds.h).
+// For published rows it is the mean over any 0.5 to 1 ms (kTorqueRateSpan in planner/certificate/thresholds.h).
 struct LimitedTorqueRate {
   static constexpr QuantityInfo info{.name = "torque_rate",
                                      .unit = "N m/s",

@@ -5,11 +5,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <system_error>
+
+#include "common/host_name.h"
 
 namespace fjr {
 namespace {
@@ -20,11 +21,7 @@ constexpr const char* kScratchPrefix = "fjr-batch-";
 
 // The file has the name of the machine, because some file systems that machines share do not share locks: there a
 // folder of another machine would look as if nobody used it.
-fs::path lock_file(const fs::path& folder) {
-  std::array<char, 256> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return folder / (std::string("lock.") + host.data());
-}
+fs::path lock_file(const fs::path& folder) { return folder / ("lock." + host_name()); }
 
 // The file is locked before it gets its name, so that one that nobody holds is one whose process has ended. Where there
 // are no locks it does not get the name, and the folder is never taken for one that was left behind.

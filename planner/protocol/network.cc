@@ -22,11 +22,7 @@ std::filesystem::path credentials_from_environment() {
 }
 
 void read_network(const YamlNode& root, const std::filesystem::path& folder, Network& to) {
-  if (const auto node = root.find("domain")) {
-    const std::uint64_t domain = node->whole_number();
-    if (domain > kLargestDomain) node->fail(fmt::format("{} is outside [0, {}]", domain, kLargestDomain));
-    to.domain = static_cast<unsigned>(domain);
-  }
+  if (const auto node = root.find("domain")) to.domain = static_cast<unsigned>(node->whole_number(0, kLargestDomain));
   if (const auto node = root.find("security")) to.security = folder / node->text();
   if (const auto node = root.find("allow_insecure_network")) to.allow_insecure_network = node->truth();
 }

@@ -116,6 +116,7 @@ PlannedMotion read_motion(const YamlNode& plan) {
     for (const YamlNode& via : vias->items()) planned.via.push_back(read_via(via, tolerance));
   }
   if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
+  if (const auto hash = plan.find("robot_hash")) planned.robot_hash = hash->text();
   if (const auto status = plan.find("status")) planned.status = status->text();
   read_ends(plan, planned);
   return planned;
@@ -126,7 +127,8 @@ PlannedMotion read_motion(const YamlNode& plan) {
 // Reads strictly only what describes the motion; other parts may be longer than any request.
 PlannedMotion planned_motion_in(const Json& plan, const std::string& source) {
   Json relevant = Json::object();
-  for (const char* key : {"status", "request_hash", "resolved_request", "robot", "via_times", "duration"}) {
+  for (const char* key :
+       {"status", "request_hash", "robot_hash", "resolved_request", "robot", "via_times", "duration"}) {
     if (plan.is_object() && plan.contains(key)) relevant[key] = plan[key];
   }
   return read_motion(YamlNode::parse(json_text(relevant), source));

@@ -20,7 +20,7 @@ struct PlannedMotion {
   Duration duration{0, kNoLimit};         // [s]
   std::optional<Payload> payload{};       // none: not said
   std::vector<Via> via{};
-  std::string request_hash{}, status{};  // empty: not said
+  std::string request_hash{}, robot_hash{}, status{};  // empty: not said
 };
 
 // Reads plan.json in the folder of a plan. Throws InputError if it does not exist or describes no motion, or if its

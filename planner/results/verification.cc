@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -21,6 +22,8 @@
 
 namespace fjr {
 namespace {
+
+constexpr double kSameTime = 1e-9;  // [s] for roundings
 
 // Determines the payload: the given one, or else the robot's, or else that of plan.json, or else the file's.
 void settle_payload(const std::optional<Payload>& given, const std::optional<Payload>& of_plan, Verification& v) {
@@ -70,6 +73,11 @@ void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned
   if (!planned.status.empty() && !executable) {
     v.contradictions.push_back(fmt::format("plan.json says that the plan is {}", shown(planned.status)));
   }
+  const auto robot = trajectory.metadata.find("robot_hash");
+  if (!planned.robot_hash.empty() && robot != trajectory.metadata.end() && robot->second != planned.robot_hash) {
+    v.contradictions.push_back(fmt::format("it was planned for another robot (robot_hash {}, that of plan.json is {})",
+                                           robot->second, planned.robot_hash));
+  }
   const auto hash = trajectory.metadata.find("request_hash");
   if (planned.request_hash.empty() || hash == trajectory.metadata.end() || hash->second == planned.request_hash) return;
   v.contradictions.push_back(
@@ -113,6 +121,11 @@ void check_against_planned(const PlannedMotion& planned, const Trajectory& traje
     v.certificate.certified = false;
     v.certificate.failures.push_back(
         fmt::format("the rows begin at {} s, and the motion of plan.json at 0 s", trajectory.start_time()));
+  }
+  if (std::abs(trajectory.end_time() - planned.ends.back()) > kSameTime) {
+    v.certificate.certified = false;
+    v.certificate.failures.push_back(fmt::format("the rows end at {} s, and the motion of plan.json at {} s",
+                                                 trajectory.end_time(), planned.ends.back()));
   }
   if (!planned.start || planned.goals.empty()) {
     v.contradictions.push_back("plan.json does not say from where to where the motion was to go: that is not checked");

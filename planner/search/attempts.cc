@@ -80,6 +80,7 @@ bool Attempts::attempt(const std::string& what, Attempt attempt, const SolveOpti
                      name(next.report.status), next.report.cost, next.report.work});
   session_->add(stages_.back());
   violation_ = next.report.violation;
+  start_fitted_ = !next.motion.intervals.empty();
   if (!next.report.solved()) {
     attempt.status = status_;
     failed_.push_back(std::move(attempt));

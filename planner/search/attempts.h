@@ -85,7 +85,8 @@ class Attempts {
   SolveStatus status() const { return status_; }  // of the last attempt
   bool stopped() const { return status_ == SolveStatus::kStopped; }
   Completion completion() const { return stopped() ? Completion::kStopped : Completion::kFinished; }
-  double violation() const { return violation_; }  // of the constraints at the end of the last attempt
+  double violation() const { return violation_; }      // of the constraints at the end of the last attempt
+  bool start_fitted() const { return start_fitted_; }  // the last attempt's start had the variables of its problem
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }
   const std::vector<SolverStage>& stages() const { return stages_; }
@@ -120,6 +121,7 @@ class Attempts {
   int solutions_ = 0;
   SolveStatus status_ = SolveStatus::kFailed;
   double violation_ = 0;
+  bool start_fitted_ = true;
   std::string obstacle_;
   std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;

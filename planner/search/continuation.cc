@@ -147,6 +147,7 @@ ResumeOutcome Continuation::resume(const Collocated& neighbour, Beginning beginn
   o.beginning = beginning;
   o.max_iterations = problem.variation.price ? s.warm.iterations_to_another_price : s.homotopy.iterations;
   if (!attempts_.warm(what, CollocationSetup(solution().setup), o)) {
+    if (!attempts_.start_fitted()) return ResumeOutcome::kOtherConstraints;
     return attempts_.stopped() ? ResumeOutcome::kStopped : ResumeOutcome::kNoSolution;
   }
   const Completion tightened = tighten_on_moved_nodes(attempts_, strategy_, failures_to_tighten_);
@@ -208,6 +209,6 @@ ChangeOutcome Continuation::keep_margins(const std::vector<LimitCheck>& checks) 
   return widened;
 }
 
-ChangeOutcome Continuation::creep() { return keep_motors_moving(attempts_); }
+ChangeOutcome Continuation::creep(double shortest) { return keep_motors_moving(attempts_, shortest); }
 
 }  // namespace fjr

@@ -32,7 +32,8 @@ enum class StartOutcome {
 
 // Result of solving a problem from the solution of a neighbouring one.
 enum class ResumeOutcome {
-  kOtherSegments,  // the neighbour passes another number of via points: it was not tried
+  kOtherSegments,     // the neighbour passes another number of via points: it was not tried
+  kOtherConstraints,  // it was planned with constraints of other kinds: it was not tried
   kNoSolution,
   kStopped,  // by the session: a solution may be there, but it is not finished
   kSolved,
@@ -95,8 +96,8 @@ class Continuation {
   // the collocation polynomial keeps. (A limit exceeded only in the rollout needs more accuracy, not a margin.)
   ChangeOutcome keep_margins(const std::vector<LimitCheck>& checks);
 
-  // Solves again with motors kept moving where their rest would be unstable (creep.h).
-  ChangeOutcome creep();
+  // Solves again with motors kept moving where they would rest for `shortest` [s] and more, and unstably (creep.h).
+  ChangeOutcome creep(double shortest);
 
   // Continues in another session, which counts the work and can stop it. The session must outlive this object.
   void go_on_in(Session& session) { attempts_.go_on_in(session); }

@@ -159,8 +159,8 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
 double period_of(const Problem& problem) {
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
   const double inertia = stretched.m11 + problem.robot.motor.inertia[0];
-  const double gravity = problem.robot.link.gravity_torque[0] + problem.robot.link.gravity_torque[1];
-  return 2 * std::numbers::pi * std::sqrt(inertia / gravity);
+  const Joints<double> gravity = gravity_coefficients(problem.robot);
+  return 2 * std::numbers::pi * std::sqrt(inertia / (gravity[0] + gravity[1]));
 }
 
 // Returns whether the folding guess suits the problem: joint 1 alone lacks torque, and much of it, and the motion is

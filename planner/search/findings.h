@@ -40,6 +40,12 @@ struct FastestSketch {
   std::optional<Continuation> motion;  // on a coarse mesh, with smoothed friction; none if the start led nowhere
 };
 
+// Limits with which the arm was found to swing up to one of the alternative goals.
+struct Carried {
+  std::shared_ptr<const Problem> alternative;
+  Limits limits;
+};
+
 struct Findings {
   explicit Findings(const Problem& asked, const FollowSettings& settings = {});
 
@@ -59,12 +65,13 @@ struct Findings {
   std::optional<Publication> best;         // the best certified one, or the last one if none is certified
   std::optional<Fastest> fastest;          // the shortest motion found, if it was looked for
   std::vector<FastestSketch> sketches;     // of fastest motions, at most one of each alternative
-  std::optional<Limits> carried_with;      // limits with which the arm was found to swing up
+  std::optional<Carried> carried;          // the least limits with which the arm was found to swing up
   bool swing_was_cut = false;              // more work might have found motions with tighter limits
   std::optional<OutOfReach> out_of_reach;  // clearly infeasible, so that no more was tried
   bool a_start_was_infeasible = false;     // the optimiser found a start infeasible, not only slow to converge
   std::string obstacle;                    // what a start without solution failed at, a clause
   std::string failure;                     // why a solution could not be published
+  bool certified_for_the_robot = false;    // before margins for other arms were looked for
 
   bool certified() const { return best && best->certificate.certified; }
 

@@ -49,8 +49,9 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   SwungUp swung = swing_up(alternative, found.asked.duration.max, session);
   if (swung.motion) follow(std::move(*swung.motion), found, session);
   if (!swung.reached) return;
-  found.carried_with = swung.reached;
   found.swing_was_cut = session.interrupted();
+  if (found.carried && found.carried->limits.torque[0] <= swung.reached->torque[0]) return;
+  found.carried = Carried{alternative, *swung.reached};
 }
 
 // If every alternative is out of reach, the search ends. The fastest motion is still tried where the duration may be

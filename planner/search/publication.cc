@@ -66,7 +66,8 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
   for (int round = 0; round < s.rounds && !session.interrupted(); ++round) {
     {
       const Timed timed(session, "certificate");
-      Trajectory trajectory = rows_of(asked, c.solution().motion, row_error);
+      const Motion motion = with_integrated_positions(c.solution().motion, c.solution().setup.mesh);
+      Trajectory trajectory = rows_of(asked, motion, row_error);
       if (trajectory.samples.size() > kMaxRows) {
         const bool longer_helps = asked.longest_sample_period < kLongestSamplePeriod &&
                                   c.duration() > asked.longest_sample_period * kMaxRows / 2;
@@ -80,10 +81,12 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     if (published.certified()) break;
     const Publication& refused = *published.last;
     const int solutions = c.solutions();
-    // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead. Everything else
-    // needs a more accurate solution and finer rows.
-    const bool other_motion =
-        c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved || c.creep() == ChangeOutcome::kSolved;
+    // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead, in the end a
+    // shorter one too. Everything else needs a more accurate solution and finer rows.
+    const double shortest_rest =
+        session.settings().continuation.creep.shortest_rest * (round + 2 < s.rounds ? 1 : s.shorter_rests);
+    const bool other_motion = c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved ||
+                              c.creep(shortest_rest) == ChangeOutcome::kSolved;
     if (session.interrupted()) break;
     if (!other_motion) {  // the errors belong to the intervals of this solution
       c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -125,6 +126,11 @@ Parameters known_twice_as_well(const Parameters& robot, const std::string& param
   return known;
 }
 
+void withdraw(Publication& motion) {
+  motion.certificate.certified = false;
+  motion.certificate.failures.emplace_back("there was no time left to look for margins for other arms");
+}
+
 // Replaces a certified motion by one with margins, as far as possible. Its certificate says whether they are enough.
 void add_margins(Publication& best, const Problem& asked, Session& session) {
   const double without = best.objective;
@@ -141,14 +147,21 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     return true;
   };
   const ForEach for_each = session.side_by_side();
+  std::mutex asking;
+  const auto stopped = [&] {
+    const std::lock_guard lock(asking);
+    session.interrupted();  // looks at the clock
+    return session.stopped();
+  };
   const RobustSettings& settings = session.settings().robust;
   for (int round = 0;; ++round) {
     {
       const Timed timed(session, "robust");
       best.certificate.robustness =
-          robustness(asked.robot, asked.limits, task_of(best), best.trajectory, *asked.robust, for_each);
+          robustness(asked.robot, asked.limits, task_of(best), best.trajectory, *asked.robust, for_each, stopped);
     }
     Robustness& r = best.certificate.robustness;
+    if (!r.evaluated) return withdraw(best);
     r.price = best.objective - without;
     if (r.kept) return;
     if (round < settings.fitting_rounds && std::isfinite(r.link[0])) {
@@ -165,9 +178,9 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
 
 std::optional<Publication> make_robust(const Problem& asked, Findings& found, Session& session) {
   if (!asked.robust || !found.certified()) return std::nullopt;
+  found.certified_for_the_robot = true;
   if (session.stopped()) {
-    found.best->certificate.certified = false;
-    found.best->certificate.failures.emplace_back("there was no time left to look for margins for other arms");
+    withdraw(*found.best);
     return std::nullopt;
   }
   session.enter(Phase::kMargins);

@@ -279,6 +279,7 @@ template <SettingsOf<PublicationSettings> S, class Visit>
 constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"rounds", "1", 1, 8}, s.rounds);
   visit({"finer_rows", "1", 0.1, 1}, s.finer_rows);
+  visit({"shorter_rests", "1", 0.01, 1}, s.shorter_rests);
 }
 
 template <SettingsOf<TrackingSettings> S, class Visit>

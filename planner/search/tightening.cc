@@ -165,12 +165,14 @@ ChangeOutcome widen_by_checks(const std::vector<LimitCheck>& checks, Attempts& a
   return attempts.warm(what, setup, attempts.warm_options(what)) ? ChangeOutcome::kSolved : ChangeOutcome::kFailed;
 }
 
-ChangeOutcome keep_motors_moving(Attempts& attempts) {
+ChangeOutcome keep_motors_moving(Attempts& attempts, double shortest_rest) {
   ChangeOutcome done = ChangeOutcome::kNotNeeded;
+  CreepSettings settings = attempts.settings().creep;
+  settings.shortest_rest = shortest_rest;
   for (int round = 0; round < attempts.settings().tightening.creep_rounds; ++round) {
     CollocationSetup setup = attempts.solution().setup;
     const std::vector<Joints<double>> wanted =
-        creep_through_rests(attempts.problem(), attempts.solution().motion, attempts.settings().creep);
+        creep_through_rests(attempts.problem(), attempts.solution().motion, settings);
     setup.creep.resize(wanted.size(), {0, 0});
     bool more = false;
     for (std::size_t k = 0; k < wanted.size(); ++k) {

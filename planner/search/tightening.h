@@ -25,6 +25,6 @@ ChangeOutcome split_by_errors(const std::vector<double>& errors, Attempts& attem
 ChangeOutcome widen_by_checks(const std::vector<LimitCheck>& checks, Attempts& attempts);
 
 // Solves again with motors kept moving where their rest would be unstable (creep.h).
-ChangeOutcome keep_motors_moving(Attempts& attempts);
+ChangeOutcome keep_motors_moving(Attempts& attempts, double shortest_rest);
 
 }  // namespace fjr

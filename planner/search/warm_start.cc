@@ -17,17 +17,23 @@ std::optional<std::string> start_warm(const Collocated& neighbour, Findings& fou
   for (const auto& alternative : found.alternatives) {
     Continuation c(alternative, session, "from an earlier plan");
     const ResumeOutcome outcome = c.resume(neighbour, Beginning::kQuadraticProgram);
+    bool too_long = false;
     if (outcome == ResumeOutcome::kSolved) {
       PublishResult published = publish(c, found.asked, session);
+      too_long = published.last && published.last->too_long;
       if (found.keep(c, std::move(published))) return std::nullopt;
     }
     if (session.stopped()) return "it was stopped before a plan was found";
     if (outcome == ResumeOutcome::kOtherSegments) {
       refusal = "it passes another number of via points";
+    } else if (outcome == ResumeOutcome::kOtherConstraints) {
+      refusal = "it was planned with constraints of other kinds";
     } else if (outcome == ResumeOutcome::kStopped) {
       refusal = "the work that is allowed was used up before a plan was found";
     } else if (outcome == ResumeOutcome::kNoSolution) {
       refusal = "the optimiser did not converge from it";
+    } else if (too_long) {
+      refusal = fmt::format("the plan found from it takes {:.4f} s, more than is allowed", c.duration());
     } else {
       const std::string why = found.best ? found.best->certificate.failures.front() : std::string();
       refusal = "the plan found from it was not certified: " + (found.failure.empty() ? why : found.failure);

@@ -4,8 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 
+#include "common/host_name.h"
 #include "common/strict_yaml.h"
 #include "model/parameters.h"
 #include "planner/protocol/bounded_name.h"
@@ -15,18 +15,13 @@ namespace fjr {
 namespace {
 
 std::string this_process() {
-  std::array<char, 48> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return fmt::format("{}-{}", host.data(), ::getpid());
+  constexpr std::size_t kOfHost = 47;  // characters, which leave room for a number and a robot
+  return fmt::format("{}-{}", host_name().substr(0, kOfHost), ::getpid());
 }
 
 template <class Whole>
 void read_whole(const YamlNode& root, std::string_view key, std::uint64_t least, std::uint64_t most, Whole& to) {
-  const auto node = root.find(key);
-  if (!node) return;
-  const std::uint64_t value = node->whole_number();
-  if (value < least || value > most) node->fail(fmt::format("{} is outside [{}, {}]", value, least, most));
-  to = static_cast<Whole>(value);
+  if (const auto node = root.find(key)) to = static_cast<Whole>(node->whole_number(least, most));
 }
 
 void read_seconds(const YamlNode& root, std::string_view key, double& to) {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <ostream>
@@ -17,6 +16,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "planner/trajectory/finite.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -71,10 +71,9 @@ void format_csv(const Trajectory& trajectory, std::ostream& out) {
   fmt::format_to(end, "{}", format_metadata(trajectory.metadata));
   fmt::format_to(end, "{}\n", fmt::join(kColumns, ","));
   for (const Sample& sample : trajectory.samples) {
-    const Values values = to_values(sample);
-    const bool finite = std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-    if (!finite) throw std::invalid_argument(fmt::format("a row near {} s is not finite", sample.time));
-    fmt::format_to(end, "{}\n", fmt::join(values, ","));  // the shortest text that reads back to the same bits
+    if (!is_finite(sample)) throw std::invalid_argument(fmt::format("a row near {} s is not finite", sample.time));
+    fmt::format_to(end, "{}\n",
+                   fmt::join(to_values(sample), ","));  // the shortest text that reads back to the same bits
   }
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
 }

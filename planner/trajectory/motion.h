@@ -33,24 +33,6 @@ struct Motion {
     const Eigen::Matrix<double, kStates, 1> x = polynomial(intervals[interval].state, interval, time);
     return State<double>::from(x.data());
   }
-  // Returns the state with its velocities replaced by the derivatives of the positions. Both agree at the collocation
-  // points. Between them they differ, because the velocities of the state are polynomials of their own, one degree
-  // higher than the derivatives of the positions.
-  State<double> consistent_state_in(std::size_t interval, double time) const {
-    const Interval& i = intervals[interval];
-    State<double> x = state_in(interval, time);
-    const double c = (time - i.start) / i.duration;
-    Eigen::Matrix<double, kStates, 1> slope = Eigen::Matrix<double, kStates, 1>::Zero();
-    for (Eigen::Index k = i.state.cols() - 1; k > 0; --k) {
-      slope = slope * c + static_cast<double>(k) * i.state.col(k);
-    }
-    const State<double> rate = State<double>::from(slope.data());
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      x.dq[j] = rate.q[j] / i.duration;
-      x.dtheta[j] = rate.theta[j] / i.duration;
-    }
-    return x;
-  }
   // Returns the friction-compensated torque u [N m].
   Joints<double> torque_in(std::size_t interval, double time) const {
     const Eigen::Vector2d u = polynomial(intervals[interval].torque, interval, time);

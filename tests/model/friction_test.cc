@@ -135,16 +135,17 @@ double distance(const FrictionLaw& a, const FrictionLaw& b, double from) {
   return largest;
 }
 
-class Smoothed : public testing::TestWithParam<int> {};
+// The laws of both joints, and others whose second tanh is wider than their first.
+class Smoothed : public testing::TestWithParam<FrictionLaw> {};
 
 TEST_P(Smoothed, ByNothingIsTheLawItself) {
-  const FrictionLaw f = law(GetParam()), s = f.smoothed(0);
+  const FrictionLaw f = GetParam(), s = f.smoothed(0);
   EXPECT_EQ(s.width, f.width);
   EXPECT_EQ(s.second_shape, f.second_shape);
 }
 
 TEST_P(Smoothed, ConvergesToTheExactLawAwayFromTheStep) {
-  const FrictionLaw f = law(GetParam());
+  const FrictionLaw f = GetParam();
   double before = distance(f.smoothed(0.1), f, 0.02);
   for (double eps = 0.03; eps > 1e-5; eps *= 0.3) {
     const double now = distance(f.smoothed(eps), f, 0.02);
@@ -158,7 +159,7 @@ TEST_P(Smoothed, ConvergesToTheExactLawAwayFromTheStep) {
 }
 
 TEST_P(Smoothed, HasNoFeatureNarrowerThanItsWidth) {
-  const FrictionLaw f = law(GetParam());
+  const FrictionLaw f = GetParam();
   for (double eps = 0.3; eps > 1e-4; eps *= 0.5) {
     const FrictionLaw s = f.smoothed(eps);
     // Both steps together, each of the slope height over width.
@@ -169,7 +170,10 @@ TEST_P(Smoothed, HasNoFeatureNarrowerThanItsWidth) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Friction, Smoothed, testing::Values(0, 1));
+INSTANTIATE_TEST_SUITE_P(Friction, Smoothed,
+                         testing::Values(law(0), law(1), FrictionLaw{0.5, 1, 0.02, 0.5, 0.3},
+                                         FrictionLaw{0.5, 1, 0.02, -0.5, 0.9}, FrictionLaw{0.5, 1, 0.02, 0.5, 0}),
+                         testing::PrintToStringParamName());
 
 TEST(Friction, SmoothingOfJoint2KeepsTheFarKinkInItsPlace) {
   const FrictionLaw f = law(1);

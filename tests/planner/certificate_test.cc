@@ -82,6 +82,8 @@ const Forgery kForgeries[] = {
     {"MotorPositionsShifted", in_every_row([](Sample& row) { row.state.theta[0] += 5e-3; }), "closed loop"},
     {"NotFinite", [](Rows& r) { r[7].torque[0] = kNaN; }, "row 8 holds a value that is not finite"},
     {"TimeBackwards", [](Rows& r) { r[7].time = r[6].time; }, "time does not increase at row 8"},
+    {"TimeHardlyIncreases", [](Rows& r) { r[7].time = r[6].time + 9e-10; },
+     "row 8 at 0.006000001 s is 9.0e-10 s after the row before it, at least 1e-09 s are needed"},
     {"OneRow", [](Rows& r) { r.resize(1); }, "fewer than two rows"},
     {"TooLong", [](Rows& r) { r.back().time = 1e6; }, "the trajectory takes 1e+06 s"},
     {"HugeTorque", in_every_row([](Sample& row) { row.torque[0] = 1e300; }), "open loop: "},

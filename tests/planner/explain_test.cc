@@ -294,6 +294,30 @@ TEST(Explain, ARadiusThatIsNamedIsEnoughAsItIsNamed) {
   EXPECT_EQ(plan(changed(problem, *by, 1), {}).status, PlanStatus::kCertified) << why.sentence;
 }
 
+// Limits would have to be more than twice as large, which is more than any disc is: it is told all the same that a
+// smaller disc would do.
+TEST(Explain, ADiscIsNamedHoweverMuchAllLimitsLack) {
+  const Infeasibility why = impossible(request(
+      "{start: {q: [-0.8, 0.0]}, goal: {q: [0.8, 0.0]}, duration: {max: 0.47}, obstacles: [{center: [0.0, -0.80], "
+      "radius: 0.42}]}"));
+  EXPECT_NE(find(why, "obstacles[0]", 0), nullptr) << why.sentence;
+}
+
+// With the elbow on the left the arc cannot be followed to this goal; with the elbow on the right torque is missing.
+TEST(Explain, OfAlternativeGoalsAnOpenOneIsToldOf) {
+  PlanOptions options;
+  options.search.budget.finding = options.search.budget.refining = 0.05;
+  options.search.budget.fallbacks = 0;
+  options.starts = 1;
+  const Plan barred =
+      plan(request("{start: {q: [0.3, -0.6]}, goal: {tip: [0.257005, 0.565412], elbow: any}, limits: {torque: [4.5, "
+                   "5]}, tip: {arc: "
+                   "{center: [0, 0], from: [0.011821, -0.620969], to: [0.257005, 0.565412], tolerance: 0.01}}}"),
+           options);
+  EXPECT_THAT(barred.reason, testing::Not(HasSubstr("the elbow stays")));
+  EXPECT_THAT(barred.reason, HasSubstr("torque of joint 1"));
+}
+
 // What is told in four digits is never less of a change than what was found.
 TEST(Explain, ToldNumbersAreRoundedToTheSafeSide) {
   EXPECT_EQ(told(0.01, 0.0126001), 0.01261);

@@ -142,6 +142,22 @@ TEST(LimitChecks, ALongRestAfterwardsHidesNoTorqueRate) {
   }
 }
 
+// Rows that are far apart make no step between two others the mean of a long time.
+TEST(LimitChecks, AStepBetweenRowsThatAreFarApartHidesNoTorqueRate) {
+  for (const double apart : {5e-4, 2e-3, 1e-2, 1.0}) {
+    Trajectory trajectory;
+    for (const auto& [time, torque] : {std::pair{0.0, 0.0}, {apart, 0.0}, {apart + 1e-6, 0.3}, {2 * apart, 0.3}}) {
+      Sample row;
+      row.time = time;
+      row.torque[0] = torque;
+      trajectory.samples.push_back(row);
+    }
+    Limits limits;
+    limits.torque_rate = {1000, kNoLimit};
+    EXPECT_NEAR(check_limits(robot(), limits, trajectory, {})[0].reached, 0.3 / 0.5e-3, 1e-6) << apart;
+  }
+}
+
 // A torque that swings with the period over which a rate is taken is not constant.
 TEST(LimitChecks, ASwingBetweenRowsThatAreFarApartHidesNoTorqueRate) {
   struct Swing {

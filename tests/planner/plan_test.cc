@@ -126,6 +126,11 @@ TEST(Plan, AStartOrAGoalOnALimitIsNoObstacle) {
   // The same motion a hundredth of a radian away, whose gravity differs by less than a per cent.
   EXPECT_NEAR(on.duration, near.duration, 0.02 * near.duration);
 
+  const Problem beside_free = request("{start: {q: [0, 1.5]}, goal: {q: [free, 2.6]}}");
+  const Plan with_free = plan(beside_free, {});
+  EXPECT_EQ(with_free.status, PlanStatus::kCertified) << with_free.reason;
+  EXPECT_LT(with_free.duration, 0.3);  // 0.24 s; it came to 7.4 s when margins were widened there
+
   const Problem goal = request(
       "{start: {q: [0.0, 0.0]}, goal: {q: [0.5, 0.2]}, objective: fastest, limits: {link_position: [0.5, 0.5]}}");
   const Problem free = request("{start: {q: [0.0, 0.0]}, goal: {q: [0.5, 0.2]}, objective: fastest}");

@@ -71,13 +71,21 @@ TEST(Elbow, MayChangeWhereTheRegionReachesTheStretchedArm) {
 
 // ---- limits that hold all along ----
 
-// Rows of the trapezoidal rule whose velocities were not those of their positions exceeded the limit in between.
+// Between rows of the trapezoidal rule whose velocities are not those of their positions, the limit is exceeded.
 TEST(Cruise, AtAVelocityLimitIsPlannedByTheTrapezoidalRuleToo) {
   const std::string move = "{robot: robots/asr_twodof.yaml, start: {q: [0, 0]}, goal: {q: [1, 0]}";
   const Plan usual = plan(request(move + "}"), {}), other = plan(request(move + ", method: trapezoidal}"), {});
   EXPECT_EQ(usual.status, PlanStatus::kCertified) << usual.reason;
   ASSERT_EQ(other.status, PlanStatus::kCertified) << other.reason;
   EXPECT_NEAR(other.duration, usual.duration, 2e-3 * usual.duration);  // margins; measured 4e-5
+}
+
+// Published as the derivatives of the trapezoidal rule's positions, motor velocities are not what the motor's
+// acceleration makes of them, where it changes by much: 16 of 30 such motions were not certified, this one among them.
+TEST(TrapezoidalRule, IsCertifiedWhereMotorsSetOffAtFullTorque) {
+  const std::string move = "{start: {q: [0.344, 0.629]}, goal: {q: [0.827, 1.15]}, method: trapezoidal}";
+  const Plan fastest = plan(request(move), {});
+  EXPECT_EQ(fastest.status, PlanStatus::kCertified) << fastest.reason;
 }
 
 // ---- times of via points ----
@@ -257,7 +265,7 @@ TEST(Search, AFreeDurationThatIsTooShortIsNamed) {
   const Plan result = plan(problem, {});
   ASSERT_TRUE(result.infeasibility);
   EXPECT_EQ(result.infeasibility->limit, "duration") << result.reason;
-  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed (the default"));
+  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed (duration.max"));
   ASSERT_TRUE(result.infeasibility->shortest_duration);
   EXPECT_GT(*result.infeasibility->shortest_duration, (*problem.goal.theta)[0] / 0.02);
 }

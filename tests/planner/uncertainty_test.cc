@@ -208,6 +208,14 @@ double largest_in_tubes(const Parameters& robot, const Robustness& r, const Para
   return largest;
 }
 
+TEST(Robustness, WhatIsStoppedIsNotEvaluated) {
+  int asked = 0;
+  const auto stopped = [&] { return ++asked > 3; };
+  const Robustness r =
+      robustness(uncertain(robot(), 0.01), robot_limits(), {}, reference_trajectory(), 0.9, one_after_another, stopped);
+  EXPECT_FALSE(r.evaluated || r.kept);
+}
+
 // Arms that nobody had seen when the tubes were made; half of their width holds far fewer (measured: all, and 46 of
 // 200).
 TEST(Robustness, TubesHoldTheShareOfArmsThatIsStatedAtAllTimes) {

@@ -90,10 +90,19 @@ TEST_F(Warm, OtherConstraintsAreNoStartAndThePlanIsMadeFromScratch) {
   const Plan plan = from_first(slow);
   EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
   EXPECT_FALSE(plan.warm);
-  EXPECT_EQ(plan.warm_refusal, "the optimiser did not converge from it");
+  EXPECT_EQ(plan.warm_refusal, "it was planned with constraints of other kinds");
   const Plan other = from_first(problem_of("start: {q: [0.3, 0.2]}\ngoal: {q: [0.5, 0]}\nvia: [{q: [0.4, 0.1]}]\n"));
   EXPECT_EQ(other.status, PlanStatus::kCertified) << other.reason;
   EXPECT_EQ(other.warm_refusal, "it passes another number of via points");
+}
+
+TEST_F(Warm, APlanThatTakesTooLongIsNoAnswer) {
+  Problem problem = to(0.8, -0.3);
+  problem.duration.max = 0.97 * first().duration;
+  const Plan plan = from_first(problem);
+  EXPECT_EQ(plan.status, PlanStatus::kInfeasible) << plan.reason;
+  ASSERT_TRUE(plan.warm_refusal);
+  EXPECT_THAT(*plan.warm_refusal, HasSubstr("s, more than is allowed"));
 }
 
 TEST_F(Warm, AnotherMethodIsNoStart) {
@@ -224,6 +233,8 @@ TEST(LearntPlans, OfferTheNearestComparableOne) {
   EXPECT_EQ(name_of(plans.nearest(tightened)), "none");
   const Problem timed = problem_of("start: {q: [0.3, 0.2]}\ngoal: {q: [0.8, -0.3]}\nduration: 1\n");
   EXPECT_EQ(name_of(plans.nearest(timed)), "none");
+  for (int again = 0; again < 3; ++again) plans.remember(named(0.82, -0.3), "", plan);  // drives nothing out
+  EXPECT_EQ(name_of(plans.nearest(to(0.79, -0.3))), "0.80");
   plans.remember(named(0.84, -0.3), "", plan);  // the oldest makes room
   EXPECT_EQ(name_of(plans.nearest(to(0.80, -0.3))), "0.82");
   EXPECT_EQ(name_of(LearntPlans(0, {}).nearest(to(0.8, -0.3))), "none");

@@ -176,6 +176,15 @@ TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstTheRequest) {
   EXPECT_THAT(failure([](Json& r) { r["goal"]["q"][1] = 0.141; }), HasSubstr("the last row is not the goal"));
   EXPECT_THAT(failure([](Json& r) { r["duration"]["max"] = 0.05; }), HasSubstr("the motion takes"));
 
+  Json longer = honest;
+  longer["duration"] = honest["duration"].get<double>() + 1e-3;
+  write("out/plan.json", longer.dump());
+  EXPECT_THAT(run({"verify", "out"}).out, HasSubstr("the rows end at"));
+  Json of_another = honest;
+  of_another["robot_hash"] = "abc";
+  write("out/plan.json", of_another.dump());
+  EXPECT_THAT(run({"verify", "out"}).err, HasSubstr("that of plan.json is abc"));
+
   write("out/plan.json", honest.dump());
   const Trajectory planned = read_csv(path("out/trajectory.csv"));
   Trajectory sooner = planned;

@@ -44,24 +44,6 @@ std::string whose(const LimitName& name) {
   return name.joint > 0 ? fmt::format("{} of joint {}", name.quantity->name, name.joint) : name.quantity->name;
 }
 
-// Returns by how much [m or rad] a row of the task may be missed by a motion whose joints are off by up to `link`
-// [rad].
-double moved_by(const Parameters& robot, const TaskRow& row, double link) {
-  const double near = robot.link.length[0], far = near + robot.link.length[1];
-  switch (row.kind) {
-    case TaskRow::Kind::kAngles:
-      return link * (std::abs(row.vector[0]) + std::abs(row.vector[1]));
-    case TaskRow::Kind::kElbow:
-    case TaskRow::Kind::kClearance1:
-      return link * near;
-    case TaskRow::Kind::kTip:
-    case TaskRow::Kind::kTipRadius:
-    case TaskRow::Kind::kClearance2:
-      break;
-  }
-  return link * (far + robot.link.length[1]);
-}
-
 // The earliest failure among several attempts to prove something.
 struct Gap {
   double time = HUGE_VAL;
@@ -277,9 +259,13 @@ class RowsProver {
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       std::vector<Ball> u;
       for (const Sample& row : rows) u.push_back(Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])));
-      each_pair_for_torque_rates(rows, [&](std::size_t earlier, std::size_t later) {
-        const Ball rate = (u[later] - u[earlier]) / (Ball(rows[later].time) - Ball(rows[earlier].time));
-        if (!limits_[limit].include({rate, 0}, 0, rows[later].time)) note(limit);
+      const auto at = [&](const BetweenRows& b) {
+        const Ball from(rows[b.row].time), to(rows[b.row + 1].time);
+        return u[b.row] + (Ball(b.time) - from) / (to - from) * (u[b.row + 1] - u[b.row]);
+      };
+      each_pair_for_torque_rates(rows, [&](const BetweenRows& earlier, const BetweenRows& later) {
+        const Ball rate = (at(later) - at(earlier)) / (Ball(later.time) - Ball(earlier.time));
+        if (!limits_[limit].include({rate, 0}, 0, later.time)) note(limit);
       });
     }
   }

@@ -281,9 +281,10 @@ double upper(std::vector<double> values, std::size_t outside) {
 // infinite if an arm cannot be followed.
 MatrixXd largest_deviations(const Parameters& robot, const Trajectory& trajectory, const Channels& channels,
                             const ExpectedMotion& motion, const Uncertainty& uncertainty, const MatrixXd& errors,
-                            const ForEach& for_each) {
+                            const ForEach& for_each, const std::function<bool()>& stopped) {
   MatrixXd found = MatrixXd::Constant(channels.count(), errors.cols(), kNoLimit);
   for_each(static_cast<std::size_t>(errors.cols()), [&](std::size_t n) {
+    if (stopped()) return;
     const auto column = static_cast<Eigen::Index>(n);
     VectorXd largest = VectorXd::Zero(channels.count());
     const auto observe = [&](std::size_t tick, const VectorXd& values) {
@@ -487,7 +488,8 @@ Draws draws_for(double confidence) {
 }
 
 Robustness robustness(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
-                      const Trajectory& trajectory, double confidence, const ForEach& for_each, std::uint64_t seed) {
+                      const Trajectory& trajectory, double confidence, const ForEach& for_each,
+                      const std::function<bool()>& stopped, std::uint64_t seed) {
   const Uncertainty uncertainty = uncertainty_of(robot);
   if (uncertainty.none()) {
     throw InputError("robot", "standard_error",
@@ -500,7 +502,9 @@ Robustness robustness(const Parameters& robot, const Limits& limits, const TaskO
   const Draws draws = draws_for(confidence);
   const auto arms = static_cast<Eigen::Index>(draws.arms);
   const MatrixXd drawn = draw(factor.cols(), arms + kScouts, seed), errors = factor * drawn;
-  const MatrixXd largest = largest_deviations(robot, trajectory, channels, motion, uncertainty, errors, for_each);
+  const MatrixXd largest =
+      largest_deviations(robot, trajectory, channels, motion, uncertainty, errors, for_each, stopped);
+  if (stopped()) return {};
   const VectorXd scouted = widest_finite(largest.rightCols(kScouts));
   const VectorXd scores = (largest.leftCols(arms).array().colwise() / scouted.array()).colwise().maxCoeff().transpose();
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "common/not_stopped.h"
 #include "common/parallel.h"
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/task_of_motion.h"
@@ -23,10 +25,11 @@ Draws draws_for(double confidence);
 // the executor adds (QuantityInfo::with_feedback). A tube is a factor times the standard deviation over time of a
 // deviation from the plan, by first-order sensitivities, and the effect of encoder counts. The factor is found by
 // rolling out arms drawn from the covariance with the executor's own law (docs/theory.md). seed: of the draws.
-// for_each: some hundred rollouts. Throws InputError if nothing is uncertain.
+// for_each: some hundred rollouts. stopped: asked before each of them, on several threads; what is stopped is not
+// evaluated. Throws InputError if nothing is uncertain.
 Robustness robustness(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                       const Trajectory& trajectory, double confidence, const ForEach& for_each = one_after_another,
-                      std::uint64_t seed = 1);
+                      const std::function<bool()>& stopped = not_stopped, std::uint64_t seed = 1);
 
 // Demands robustness of a certificate: if a margin is missing, the trajectory is no longer certified, and a failure
 // says why.

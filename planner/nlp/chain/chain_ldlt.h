@@ -66,8 +66,6 @@ class ChainLdlt {
   double factorisation_work() const { return factorisation_work_; }
   double solve_work() const { return solve_work_; }
 
-  int size() const { return size_; }
-
  private:
   struct Entry {
     int value, at, mirrored;  // index of the value, and its positions in the front: row * width + column

@@ -57,6 +57,23 @@ struct TaskRow {
   double distance(double value) const;
 };
 
+// Returns by how much [m or rad] the row's value changes at most if both joints are off by `angle` [rad].
+inline double moved_by(const Parameters& robot, const TaskRow& row, double angle) {
+  const double near = robot.link.length[0], far = near + robot.link.length[1];
+  switch (row.kind) {
+    case TaskRow::Kind::kAngles:
+      return angle * (std::abs(row.vector[0]) + std::abs(row.vector[1]));
+    case TaskRow::Kind::kElbow:
+    case TaskRow::Kind::kClearance1:
+      return angle * near;
+    case TaskRow::Kind::kTip:
+    case TaskRow::Kind::kTipRadius:
+    case TaskRow::Kind::kClearance2:
+      break;
+  }
+  return angle * (far + robot.link.length[1]);
+}
+
 // ---- details of templates ----
 
 inline double TaskRow::distance(double value) const {

@@ -78,9 +78,8 @@ void explain_duration(Explanation& e) {
   const double allowed = e.problem.duration.max;
   const double needed = e.rounded_up((e.known.certified ? 1 : 1 + e.settings().margin) * e.shortest());
   e.result.shortest_duration = needed;
-  const std::string where = allowed == kLongestByDefault
-                                ? fmt::format(" (the default; duration.max may be up to {:g} s)", kLongestDuration)
-                                : "";
+  const std::string where =
+      allowed == kLongestByDefault ? fmt::format(" (duration.max may be up to {:g} s)", kLongestDuration) : "";
   e.result.sentence = fmt::format(
       "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {}{:.4f} s", allowed,
       where, e.known.certified ? "" : "about ", needed);

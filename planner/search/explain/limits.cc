@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -70,12 +71,17 @@ void name_what_is_in_the_way(Explanation& e, const Continuation* everything) {
     e.result.time = first.time;
     velocity = first.kind == RelaxableKind::kVelocity;
   } else {
-    for (const Candidate& worst : candidates(e.problem, everything, e.settings())) {
-      if (!e.result.limit.empty()) break;
+    std::vector<Candidate> all = candidates(e.problem, everything, e.settings());
+    const auto is_velocity = [](const Candidate& c) { return c.what.kind == RelaxableKind::kVelocity; };
+    // Velocities stand first whether they are in the way or not.
+    if (e.known.out_of_reach != OutOfReach::kVelocity)
+      std::stable_partition(all.begin(), all.end(), std::not_fn(is_velocity));
+    if (!all.empty()) {
+      const Candidate& worst = all.front();
       e.result.limit = worst.what.name;
       e.result.joint = worst.what.joint;
       e.result.quantity = worst.what.quantity;
-      velocity = worst.what.kind == RelaxableKind::kVelocity;
+      velocity = is_velocity(worst);
     }
   }
   if (e.result.limit.empty()) {

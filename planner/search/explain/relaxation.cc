@@ -48,18 +48,19 @@ double told(double from, double to) {
 }
 
 std::string sentence_of(const Relaxation& r) {
-  const std::string beyond = r.within_robot ? "" : ", more than the robot's", to = fmt::format("{:.4g}", r.to);
+  const std::string beyond = r.within_robot ? "" : ", more than the robot's", about = r.rough ? "about " : "",
+                    to = fmt::format("{:.4g}", r.to);
   if (r.kind == RelaxableKind::kBothJoints) {
-    return fmt::format("{} of both joints would have to be {}{} times as large{}", r.name, r.rough ? "about " : "", to,
-                       beyond);
+    return fmt::format("{} of both joints would have to be {}{} times as large{}", r.name, about, to, beyond);
   }
   if (r.kind == RelaxableKind::kAllLimits) {
     return fmt::format("no single limit alone would do, but all together {} times as large{}", to, beyond);
   }
   if (r.constraint && r.constraint->relaxed) {
-    return fmt::format("{} alone would have to be {}", r.name, fmt::format(fmt::runtime(r.constraint->relaxed), to));
+    return fmt::format("{} alone would have to be {}{}", r.name,
+                       fmt::format(fmt::runtime(r.constraint->relaxed), about + to), beyond);
   }
-  const std::string about = r.rough ? "about " : "", name = name_of(r.name, r.joint);
+  const std::string name = name_of(r.name, r.joint);
   if (r.kind == RelaxableKind::kVelocity) {
     return fmt::format("{} alone would have to be {}{} times the requested one{}", name, about, to, beyond);
   }

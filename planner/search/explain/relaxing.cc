@@ -135,7 +135,9 @@ bool relax_each(Explanation& e, const std::vector<Candidate>& candidates, const 
 }
 
 void keep_within_robot(std::vector<Candidate>& single, double slack) {
-  std::erase_if(single, [&](const Candidate& c) { return c.what.allowed < slack * size_of(c.what); });
+  std::erase_if(single, [&](const Candidate& c) {
+    return c.what.kind == RelaxableKind::kLimit && c.what.allowed < slack * size_of(c.what);
+  });
 }
 
 void relax_together(Explanation& e, const std::vector<Candidate>& single, const std::vector<Guess>& guesses) {

@@ -111,7 +111,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
     plan.status = session.deadline_passed() ? PlanStatus::kDeadline : PlanStatus::kCancelled;
     plan.reason = session.deadline_passed()
                       ? fmt::format("the time budget of {} s was used up{}", session.options().deadline, by_then(found))
-                      : "stopped on request";
+                      : "stopped on request" + by_then(found);
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
     tell_failure(found, plan);

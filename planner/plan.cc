@@ -58,7 +58,9 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
 Known known_of(const Findings& found) {
   Known known;
   known.out_of_reach = found.out_of_reach;
-  if (found.carried) known.reached = found.carried->limits;
+  const bool of_same_goal =
+      !found.fastest || (found.carried && found.fastest->alternative == found.carried->alternative);
+  if (found.carried && of_same_goal) known.reached = found.carried->limits;
   if (found.fastest) {
     known.fastest = &found.fastest->motion;
     known.certified = found.fastest->certified;

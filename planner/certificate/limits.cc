@@ -120,6 +120,7 @@ class PublishedExtremes {
       for (const Sample& row : rows_) u.push_back(row.torque[j] - law.nonlinear(row.state.dtheta[j]));
       const auto at = [&](const BetweenRows& b) {
         const double from = rows_[b.row].time, to = rows_[b.row + 1].time;
+        if (b.time == from || b.time == to) return b.time == from ? u[b.row] : u[b.row + 1];
         return std::lerp(u[b.row], u[b.row + 1], (b.time - from) / (to - from));
       };
       each_pair_for_torque_rates(rows_, [&](const BetweenRows& earlier, const BetweenRows& later) {

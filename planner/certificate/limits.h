@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -31,22 +32,25 @@ struct BetweenRows {
 template <class Visit>
 void each_pair_for_torque_rates(const std::vector<Sample>& rows, const Visit& visit) {
   const double begin = rows.front().time, end = rows.back().time;
-  const auto from_row = [&](std::size_t row, double time) {
-    while (row > 0 && rows[row].time > time) --row;
-    while (row + 2 < rows.size() && rows[row + 1].time <= time) ++row;
-    return BetweenRows{row, time};
+  const std::size_t last = rows.size() - 2;  // the last row that another one follows
+  const auto row = [&](std::size_t k) { return BetweenRows{std::min(k, last), rows[k].time}; };
+  if (end - begin <= kTorqueRateSpan) return visit(row(0), row(last + 1));
+  std::size_t far = 0, near = 0;    // the first rows that are less than twice the span, and less than the span, away
+  std::array<std::size_t, 4> at{};  // the rows before the instants beside a row, which move on with it
+  const auto beside = [&](std::size_t which, double time) {
+    while (at[which] < last && rows[at[which] + 1].time <= time) ++at[which];
+    return BetweenRows{at[which], time};
   };
-  const auto row = [&](std::size_t k) { return BetweenRows{std::min(k, rows.size() - 2), rows[k].time}; };
-  if (end - begin <= kTorqueRateSpan) return visit(row(0), row(rows.size() - 1));
-  std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double time = rows[k].time;
     while (time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
     while (time - rows[near].time >= kTorqueRateSpan) ++near;
     for (std::size_t i = far; i < near; ++i) visit(row(i), row(k));
+    std::size_t which = 0;
     for (const double span : {kTorqueRateSpan, 2 * kTorqueRateSpan}) {
-      if (time - span >= begin) visit(from_row(far, time - span), row(k));
-      if (time + span <= end) visit(row(k), from_row(k, time + span));
+      if (time - span >= begin) visit(beside(which, time - span), row(k));
+      if (time + span <= end) visit(row(k), beside(which + 1, time + span));
+      which += 2;
     }
   }
 }

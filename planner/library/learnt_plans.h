@@ -27,8 +27,8 @@ class LearntPlans {
   // Returns the plan to start from, or nothing if none is near enough.
   std::optional<WarmStart> nearest(const Problem& problem);
 
-  // Adds a plan, in the place of that of the same request, if there is one. It goes into the library if it is farther
-  // than half of kNearby from the plans there. request: YAML.
+  // Adds a plan, in the place of those whose start and goal are the same to 1e-3 rad. It goes into the library if it is
+  // farther than half of kNearby from the plans there. request: YAML.
   void remember(const Problem& problem, const std::string& request, const Plan& plan);
 
  private:

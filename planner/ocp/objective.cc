@@ -90,7 +90,8 @@ double weighted_sum(const Weights& weights, const std::map<std::string, double>&
 
 double published_objective(const Problem& problem, const Collocated& solution) {
   const auto weighted = [](double weight) { return weight > 0; };
-  return weighted_sum(problem.weights, terms_of(problem, solution, sample(problem, solution.motion), weighted));
+  const Motion published = with_integrated_positions(solution.motion, solution.setup.mesh);
+  return weighted_sum(problem.weights, terms_of(problem, solution, sample(problem, published), weighted));
 }
 
 }  // namespace fjr

@@ -33,7 +33,7 @@ enum class StartOutcome {
 // Result of solving a problem from the solution of a neighbouring one.
 enum class ResumeOutcome {
   kOtherSegments,     // the neighbour passes another number of via points: it was not tried
-  kOtherConstraints,  // it was planned with constraints of other kinds: it was not tried
+  kOtherConstraints,  // it was planned with other constraints, or another number: it was not tried
   kNoSolution,
   kStopped,  // by the session: a solution may be there, but it is not finished
   kSolved,

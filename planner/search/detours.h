@@ -13,7 +13,7 @@
 namespace fjr {
 
 struct Detours {
-  // Paths that keep the task at every point, shortest first, one of each homotopy class: no two of them can be pulled
+  // Paths over cells that keep the task, shortest first, one of each homotopy class: no two of them can be pulled
   // into one another without crossing what is forbidden. Empty when there is none on the grid.
   std::vector<Path> paths;
   // Smallest clearance [m] along the widest path. If it is negative, obstacles would have to be smaller, or a box

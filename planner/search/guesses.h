@@ -16,7 +16,7 @@ namespace fjr {
 // q on straight lines through start, via points and goal, theta in static equilibrium, at rest, zero torque.
 Guess straight_guess(const Problem& problem, double duration);
 
-// Minimum-jerk q between the same points, everything else by flatness (motor friction apart, u needs none).
+// Minimum-jerk q between the same points, everything else by flatness. u is the torque without friction.
 Guess minimum_jerk_guess(const Problem& problem, double duration);
 
 // Passes start, via points and goal without stopping at them, by q in quintic polynomials of the time and everything

@@ -44,13 +44,23 @@ Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::
   return starts.guesses[i];
 }
 
+// Returns whether the limits that are larger than the asked ones are so by less.
+bool less_relaxed(const Limits& limits, const Limits& others, const Limits& asked) {
+  const auto factor = [&](const Limits& of) {
+    double largest = 1;
+    for (const LimitName& name : kLimitNames) largest = std::max(largest, name.in(of) / name.in(asked));
+    return largest;  // where neither is limited the quotient is not a number, which max() leaves out
+  };
+  return factor(limits) < factor(others);
+}
+
 void try_swinging(const Alternative& alternative, Findings& found, Session& session) {
   if (!found.candidates.empty() || session.interrupted() || can_be_carried(*alternative)) return;
   SwungUp swung = swing_up(alternative, found.asked.duration.max, session);
   if (swung.motion) follow(std::move(*swung.motion), found, session);
   if (!swung.reached) return;
   found.swing_was_cut = session.interrupted();
-  if (found.carried && found.carried->limits.torque[0] <= swung.reached->torque[0]) return;
+  if (found.carried && !less_relaxed(*swung.reached, found.carried->limits, found.asked.limits)) return;
   found.carried = Carried{alternative, *swung.reached};
 }
 

@@ -18,12 +18,12 @@ double gap_after(double width, bool sees_friction, const RaceSettings& settings)
 }
 
 enum class Place {
-  kOnTheWay,    // it has steps left
-  kAtTheEnd,    // no step is left, or the last one failed
-  kArrived,     // settled
-  kStopped,     // by the session, before it had settled
-  kDropped,     // the same as another one, or too far behind
-  kOutOfCount,  // its last piece of work is ignored
+  kOnTheWay,  // it has steps left
+  kAtTheEnd,  // no step is left, or the last one failed
+  kArrived,   // settled
+  kStopped,   // by the session, before it had settled
+  kDropped,   // the same as another one, or too far behind
+  kIgnored,   // its last piece of work is not counted
 };
 
 struct Runner {
@@ -68,7 +68,7 @@ void all_move(Place from, Place (*work)(Continuation&), std::vector<Runner>& run
     at_work[i]->place = work(at_work[i]->motion);
   });
   for (std::size_t i = 0; i < at_work.size(); ++i) {
-    if (pieces[i] == PieceOfWork::kIgnored) at_work[i]->place = Place::kOutOfCount;
+    if (pieces[i] == PieceOfWork::kIgnored) at_work[i]->place = Place::kIgnored;
     at_work[i]->motion.go_on_in(session);
   }
 }

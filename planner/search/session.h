@@ -136,7 +136,7 @@ class Session {
   std::shared_ptr<Shared> shared_;
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
   double more_ = 0;                // fraction of the options' work that is allowed in addition to a phase's own
-  double work_before_ = 0;         // [s] value of work_ when this branch began, with the work that is left to others
+  double work_before_ = 0;         // [s] of work_ when this branch began, with half of what was left counted as done
   int iterations_before_ = 0;      // done before this branch began
   Phase phase_ = Phase::kFinding;  // the latest that was entered
   class Timed* innermost_ = nullptr;

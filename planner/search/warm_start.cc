@@ -27,7 +27,7 @@ std::optional<std::string> start_warm(const Collocated& neighbour, Findings& fou
     if (outcome == ResumeOutcome::kOtherSegments) {
       refusal = "it passes another number of via points";
     } else if (outcome == ResumeOutcome::kOtherConstraints) {
-      refusal = "it was planned with constraints of other kinds";
+      refusal = "it was planned with other constraints, or another number of them";
     } else if (outcome == ResumeOutcome::kStopped) {
       refusal = "the work that is allowed was used up before a plan was found";
     } else if (outcome == ResumeOutcome::kNoSolution) {

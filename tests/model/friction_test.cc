@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <stdexcept>
+#include <string>
 
 #include "common/dual.h"
 #include "model/encoder.h"
@@ -173,7 +174,7 @@ TEST_P(Smoothed, HasNoFeatureNarrowerThanItsWidth) {
 INSTANTIATE_TEST_SUITE_P(Friction, Smoothed,
                          testing::Values(law(0), law(1), FrictionLaw{0.5, 1, 0.02, 0.5, 0.3},
                                          FrictionLaw{0.5, 1, 0.02, -0.5, 0.9}, FrictionLaw{0.5, 1, 0.02, 0.5, 0}),
-                         testing::PrintToStringParamName());
+                         [](const auto& of) { return "Law" + std::to_string(of.index); });
 
 TEST(Friction, SmoothingOfJoint2KeepsTheFarKinkInItsPlace) {
   const FrictionLaw f = law(1);

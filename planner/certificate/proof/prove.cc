@@ -260,6 +260,8 @@ class RowsProver {
       std::vector<Ball> u;
       for (const Sample& row : rows) u.push_back(Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])));
       const auto at = [&](const BetweenRows& b) {
+        if (b.time == rows[b.row].time) return u[b.row];
+        if (b.time == rows[b.row + 1].time) return u[b.row + 1];
         const Ball from(rows[b.row].time), to(rows[b.row + 1].time);
         return u[b.row] + (Ball(b.time) - from) / (to - from) * (u[b.row + 1] - u[b.row]);
       };

@@ -57,8 +57,8 @@ std::string sentence_of(const Relaxation& r) {
     return fmt::format("no single limit alone would do, but all together {} times as large{}", to, beyond);
   }
   if (r.constraint && r.constraint->relaxed) {
-    return fmt::format("{} alone would have to be {}{}", r.name,
-                       fmt::format(fmt::runtime(r.constraint->relaxed), about + to), beyond);
+    return fmt::format("{} alone would have to be {}", r.name,
+                       fmt::format(fmt::runtime(r.constraint->relaxed), about + to));
   }
   const std::string name = name_of(r.name, r.joint);
   if (r.kind == RelaxableKind::kVelocity) {

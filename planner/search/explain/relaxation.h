@@ -18,7 +18,7 @@ struct Relaxation {
   std::string name;  // as in problem/relaxable.h; or duration; or via[0].time
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;
-  double from = 0, to = 0;  // the requested value; the least change found to be enough, to within 4 %, as reported
+  double from = 0, to = 0;  // the requested value; the least change found to be enough, as reported
   bool rough = false;  // not verified by planning, or found with friction smoothed only: `to` is about what it takes
   bool within_robot = true;                    // false: beyond what robot.yaml allows a request to ask for
   std::optional<double> time;                  // [s] when it is in the way most

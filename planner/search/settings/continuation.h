@@ -41,7 +41,7 @@ struct WarmStartSettings {
   int more_iterations = 200;  // in all then: up to 4 % less effort
 };
 
-// The steps from a smoothed friction law to the exact one. Their widths are in continuation_strategy.h.
+// The steps from a smoothed friction law to the exact one. Their widths are in continuation_strategy.cc.
 struct HomotopySettings {
   double mesh_tolerance = 1e-5;      // [rad] during the homotopy
   int iterations = 80;               // of steps that converge at all, nine of ten take less than 60

@@ -14,6 +14,7 @@
 #include "planner/ocp/arm_ocp.h"
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
+#include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
 #include "planner/problem/motion_price.h"
 #include "planner/problem/task/task.h"
@@ -272,32 +273,15 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   return transcription;
 }
 
-// Replaces the position polynomials by the integrals of the velocity polynomials, so that published positions and
-// velocities are consistent between the collocation points as well. The positions still agree at the next node, because
-// the scheme's quadrature is exact for polynomials of the velocity's degree. That does not hold for the trapezoidal
-// rule, whose state is returned as it is. duration: of the interval [s].
-inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, double duration) {
-  const Eigen::Index degree = state.cols() - 1;
-  if (degree < 3) return state;
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
-  result.leftCols(state.cols()) = state;
-  for (const auto& [positions, velocities] : {std::pair{kStateQ, kStateDq}, std::pair{kStateTheta, kStateDtheta}}) {
-    for (Eigen::Index j = 0; j < kJoints; ++j) {
-      for (Eigen::Index d = 0; d <= degree; ++d) {
-        result(positions + j, d + 1) = duration * state(velocities + j, d) / static_cast<double>(d + 1);
-      }
-    }
-  }
-  return result;
-}
-
+// Positions of the trapezoidal rule stay as they were solved: here its integrals would not meet the next node.
 template <Features F>
 Motion motion_of(const Transcription<ArmOcp<F>>& transcription, const Eigen::VectorXd& z) {
   Motion motion;
   const std::vector<double> times = transcription.mesh().node_times(transcription.durations(z));
   for (int k = 0; k < transcription.intervals(); ++k) {
     const double start = times[static_cast<std::size_t>(k)], end = times[static_cast<std::size_t>(k) + 1];
-    const Eigen::MatrixXd state = with_consistent_positions(transcription.state_polynomial(z, k), end - start);
+    const Eigen::MatrixXd solved = transcription.state_polynomial(z, k),
+                          state = integrates_velocities(solved) ? integrate_positions(solved, end - start) : solved;
     if constexpr (F.rate) {
       motion.intervals.push_back({start, end - start, state.topRows<kStates>(), state.middleRows<kControls>(kStates)});
     } else {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "model/friction.h"
@@ -198,33 +199,31 @@ class Sampler {
   Trajectory trajectory_;
 };
 
-using Coefficients = Eigen::Matrix<double, kStates, Eigen::Dynamic>;
-
-// Replaces the position polynomials by the integrals of the velocity polynomials. Returns by how much the integrals end
-// beyond the positions.
-Eigen::VectorXd integrate_positions(Motion::Interval& interval) {
-  const Coefficients before = interval.state;
-  const Eigen::Index count = before.cols();
-  interval.state.conservativeResize(Eigen::NoChange, count + 1);
-  interval.state.col(count).setZero();
-  for (const auto& [positions, velocities] : {std::pair{kStateQ, kStateDq}, std::pair{kStateTheta, kStateDtheta}}) {
-    for (Eigen::Index d = 0; d < count; ++d) {
-      interval.state.block<kJoints, 1>(positions, d + 1) =
-          interval.duration / static_cast<double>(d + 1) * before.block<kJoints, 1>(velocities, d);
-    }
-  }
-  return interval.state.rowwise().sum() - before.rowwise().sum();
-}
-
 }  // namespace
 
+Eigen::MatrixXd integrate_positions(const Eigen::MatrixXd& state, double duration) {
+  const Eigen::Index degree = state.cols() - 1;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
+  result.leftCols(state.cols()) = state;
+  for (const auto& [positions, velocities] : {std::pair{kStateQ, kStateDq}, std::pair{kStateTheta, kStateDtheta}}) {
+    for (Eigen::Index j = 0; j < kJoints; ++j) {
+      for (Eigen::Index d = 0; d <= degree; ++d) {
+        result(positions + j, d + 1) = duration * state(velocities + j, d) / static_cast<double>(d + 1);
+      }
+    }
+  }
+  return result;
+}
+
 Motion with_integrated_positions(Motion motion, const Mesh& mesh) {
-  constexpr Eigen::Index kOfOrder2 = 3;  // coefficients
-  if (motion.intervals.front().state.cols() != kOfOrder2) return motion;
+  if (integrates_velocities(motion.intervals.front().state)) return motion;
   for (std::size_t first = 0, end = 0; first < mesh.size(); first = end) {
     std::vector<Eigen::VectorXd> missed{Eigen::VectorXd::Zero(kStates)};  // at the nodes of the segment
     for (; end < mesh.size() && mesh.intervals[end].segment == mesh.intervals[first].segment; ++end) {
-      missed.push_back(missed.back() + integrate_positions(motion.intervals[end]));
+      Motion::Interval& interval = motion.intervals[end];
+      const Eigen::VectorXd node = interval.state.rowwise().sum();
+      interval.state = integrate_positions(interval.state, interval.duration);
+      missed.push_back(missed.back() + interval.state.rowwise().sum() - node);
     }
     const Motion::Interval& last = motion.intervals[end - 1];
     const double begin = motion.intervals[first].start;

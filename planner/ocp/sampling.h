@@ -1,6 +1,8 @@
 // Converts the collocation polynomials of a motion to the samples that are published.
 #pragma once
 
+#include <Eigen/Core>
+
 #include "planner/collocation/mesh.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/motion.h"
@@ -11,6 +13,15 @@ namespace fjr {
 // Half a count of the link encoder is 5e-5 rad. A velocity error of the slowest motor decays within 0.14 s (J1/B1), and
 // the errors of hundreds of samples rarely have the same sign.
 inline constexpr double kRowVelocityError = 1e-4;  // [rad/s]
+
+// States are polynomials on an interval, one row of coefficients per state, lowest degree first, in the fraction of the
+// interval. Returns them with positions replaced by the integrals of the velocities, one degree higher, so that both
+// are consistent between the collocation points as well. duration: of the interval [s].
+Eigen::MatrixXd integrate_positions(const Eigen::MatrixXd& state, double duration);
+
+// Returns whether the integrals meet the positions at the end of the interval: whether the scheme's quadrature is exact
+// for polynomials of the velocity's degree. That of the trapezoidal rule is not.
+inline bool integrates_velocities(const Eigen::Ref<const Eigen::MatrixXd>& state) { return state.cols() > 3; }
 
 // Returns the motion with positions that are the integrals of its velocities. Those of the trapezoidal rule are not:
 // over an interval of length h they miss them by h^2 (a1 - a0) / 12 (a: accelerations at its ends). These errors nearly

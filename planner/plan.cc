@@ -48,7 +48,7 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
   o.deadline = options.deadline;
   o.jobs = threads_for(options);
   o.most_work = most_work(problem, options);
-  o.patience = o.most_work / PlanOptions{}.most_work;
+  o.budget_factor = o.most_work / PlanOptions{}.most_work;
   o.objective_scale = size_of(problem.weights);
   o.cancelled = options.cancelled;
   o.on_progress = options.on_progress;
@@ -59,8 +59,8 @@ Known known_of(const Findings& found) {
   Known known;
   known.out_of_reach = found.out_of_reach;
   const bool of_same_goal =
-      !found.fastest || (found.carried && found.fastest->alternative == found.carried->alternative);
-  if (found.carried && of_same_goal) known.reached = found.carried->limits;
+      !found.fastest || (found.swing_up && found.fastest->alternative == found.swing_up->alternative);
+  if (found.swing_up && of_same_goal) known.reached = found.swing_up->limits;
   if (found.fastest) {
     known.fastest = &found.fastest->motion;
     known.certified = found.fastest->certified;
@@ -68,10 +68,11 @@ Known known_of(const Findings& found) {
   return known;
 }
 
-// Returns the alternative of which is told why there is no plan: the one that came nearest, or one with an open way.
+// Returns the alternative goal of which it is explained why there is no plan: the one with the fastest motion, or else
+// with a swing-up, or else the first one to which obstacles leave a path.
 const Problem& alternative_to_explain(const Findings& found) {
   if (found.fastest) return *found.fastest->alternative;
-  if (found.carried) return *found.carried->alternative;
+  if (found.swing_up) return *found.swing_up->alternative;
   const auto& all = found.alternatives;
   const auto open =
       all.size() < 2 ? all.end() : std::find_if(all.begin(), all.end(), [](const auto& one) { return !no_path(*one); });
@@ -99,7 +100,8 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   WithWait with_wait = plan_with_wait(starts, found, session);
-  if (!with_wait.is_enough) find_motions(starts, IfNone::kFallBack, found, session);
+  const IfNone if_none = with_wait.best ? IfNone::kGiveUp : IfNone::kFallBack;
+  if (!with_wait.is_enough) find_motions(starts, if_none, found, session);
   if (with_wait.best) found.keep(*std::move(with_wait.best));
   if (!over() && !found.candidates.empty() && has_little_spare_time(found, session.settings().fastest)) {
     found.candidates.clear();

@@ -16,7 +16,7 @@ inline constexpr double kActive = 0.01;
 
 // Returns the spread of H up to which a solution counts as stationary. At an optimum H is constant; on a mesh a small
 // spread remains. Up to this fraction of objective / duration, d objective / d duration agrees with the objectives of
-// slightly longer and shorter plans (TheWorthOfTheDurationIsTheSlopeOfTheObjective in
+// slightly longer and shorter plans (ShadowPriceOfTheDurationIsTheSlopeOfTheObjective in
 // tests/planner/effort_plan_test.cc).
 inline double allowed_spread(double objective, double duration) {
   constexpr double kFraction = 0.02;

@@ -67,9 +67,9 @@ class Verdict {
       const double allowed = feedback_limit(robot_)[j];
       if (closed.feedback_torque[j] < allowed) continue;
       refuse(fmt::format(
-          "closed loop: feedback torque of joint {} reaches {:.3g} N m at {:.6f} s, allowed {:.3g} N m (1 % of the "
-          "torque limit)",
-          j + 1, closed.feedback_torque[j], closed.time_of_feedback[j], allowed));
+          "closed loop: feedback torque of joint {} reaches {:.3g} N m at {:.6f} s, allowed {:.3g} N m ({:g} % of "
+          "the torque limit)",
+          j + 1, closed.feedback_torque[j], closed.time_of_feedback[j], allowed, 100 * kFeedbackFraction));
     }
   }
 

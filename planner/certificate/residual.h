@@ -13,11 +13,12 @@ bool is_at_rest(const Parameters& p, const Sample& row);
 // Returns the q [rad] at which the links rest when the motors stand at theta: theta = q + K^-1 G(q), by iteration.
 Joints<double> resting_with(const Parameters& p, const Joints<double>& theta);
 
-// Holds the arm in the rest at `goal` for `duration` [s], beginning in the state `from`, by the executor's feedback
-// with its ticks, dither and the counts of the encoders. After every tick observe is called with the time since the
-// beginning, the state, and the torque commanded for the tick. Returns false if the integration broke down. moved: the
-// arm that moves, if it differs from the one that gains and rest belong to.
+// Is called after every tick with the time [s] since the beginning, the state, and the torque commanded for the tick.
 using HoldObserver = std::function<void(double time, const State<double>& x, const Joints<double>& torque)>;
+
+// Holds the arm in the rest at `goal` for `duration` [s], beginning in the state `from`, by the executor's feedback
+// with its ticks, dither and the counts of the encoders. Returns false if the integration broke down. moved: the
+// arm that moves, if it differs from the one that gains and rest belong to.
 bool hold_at_rest(const Parameters& p, const Sample& goal, const State<double>& from, double duration,
                   const HoldObserver& observe);
 bool hold_at_rest(const Parameters& p, const Parameters& moved, const Sample& goal, const State<double>& from,

@@ -450,6 +450,11 @@ class Transcription final : public Nlp {
   }
 
   void set_bounds() {
+    set_variable_bounds();
+    set_row_bounds();
+  }
+
+  void set_variable_bounds() {
     const int n = duration_at(mesh_.segments());
     x_lower = Eigen::VectorXd::Constant(n, -std::numeric_limits<double>::infinity());
     x_upper = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
@@ -482,6 +487,9 @@ class Transcription final : public Nlp {
       x_lower(duration_at(s)) = ocp_.durations[index(s)][0];
       x_upper(duration_at(s)) = ocp_.durations[index(s)][1];
     }
+  }
+
+  void set_row_bounds() {
     g_lower = Eigen::VectorXd::Zero(rows_);
     g_upper = Eigen::VectorXd::Zero(rows_);
     for (int k = 0; k < intervals(); ++k) {

@@ -23,9 +23,9 @@ struct Situation {
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
-// Range of the time between two samples [s]: from a tenth of the spacing at a jump to the longest sample period that a
-// request may have.
-inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing, kLongestSpacing = 5e-3;
+// [s] Shortest accepted time between two samples: a tenth of that at a jump of the torque. The longest is
+// kLongestSpacing.
+inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing;
 inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
 inline constexpr double kLongestGoalTime = 60;   // [s]
 inline constexpr double kClockDifference = 0.1;  // [s] between the planner's and the executor's machine

@@ -35,12 +35,12 @@ double size_of(const Parameters& robot, const std::string& name, double otherwis
 }
 
 // The contribution of a motion to information matrix and score, expanded about z = 0.
-struct Share {
+struct Evidence {
   MatrixXd matrix;
   VectorXd score;
 };
 
-Share share_of(const DriftTest::Look& look) {
+Evidence evidence_of(const DriftTest::Look& look) {
   const double scale = 1 / (kNeighbours * std::max(1.0, look.told.chi_square));
   return {scale * look.told.matrix, scale * (look.told.score + look.told.matrix * look.about)};
 }
@@ -101,8 +101,8 @@ std::optional<DriftTest::Look> DriftTest::look_at(const ExecutedMotion& motion, 
     auto told = information_of(about, parameters_.of, motion, for_each, stopped);
     if (!told) return std::nullopt;
     look.told = *std::move(told);
-    const Share share = share_of(look);
-    const Expected then = expected(all_matrix_ + share.matrix, all_score_ + share.score);
+    const Evidence evidence = evidence_of(look);
+    const Expected then = expected(all_matrix_ + evidence.matrix, all_score_ + evidence.score);
     if ((then.mean - look.about).cwiseAbs().maxCoeff() < kSameSlopes || i + 1 == kLooks) break;
     look.about = then.mean;
   }
@@ -110,16 +110,16 @@ std::optional<DriftTest::Look> DriftTest::look_at(const ExecutedMotion& motion, 
 }
 
 void DriftTest::add(const Look& look) {
-  const Share share = share_of(look);
+  const Evidence evidence = evidence_of(look);
   const Index n = all_score_.size();
   changes_.push_back({motions_++, MatrixXd::Zero(n, n), VectorXd::Zero(n)});
   if (changes_.size() > kRemembered) changes_.pop_front();
   for (Change& change : changes_) {
-    change.matrix += share.matrix;
-    change.score += share.score;
+    change.matrix += evidence.matrix;
+    change.score += evidence.score;
   }
-  all_matrix_ += share.matrix;
-  all_score_ += share.score;
+  all_matrix_ += evidence.matrix;
+  all_score_ += evidence.score;
   expected_ = expected(all_matrix_, all_score_);
 }
 

@@ -30,7 +30,7 @@ constexpr double kMultiplierFactor = 1e10;  // a bound's multiplier stays within
 constexpr int kCorrections = 4;
 constexpr double kWorthCorrecting = 0.99;  // another correction is tried if the violation fell to this fraction
 constexpr int kTinySteps = 2;              // largest number of tiny steps in a row
-constexpr int kPatience = 10;              // shortened steps in a row before the watchdog takes full ones
+constexpr int kWatchdogTrigger = 10;       // shortened steps in a row before the watchdog takes full ones
 constexpr int kWatchedSteps = 3;
 constexpr int kSoftSteps = 10;
 constexpr double kSoftDecrease = 0.9999;
@@ -300,7 +300,7 @@ class InteriorPoint {
       evaluate(at_.v, f_, c_);
     } else {
       filter_.look_from(merit(at_.v, f_, c_), slope(step));
-      if (!watch_ && shortened_ >= kPatience) watch_ = Watch{point(), step, filter_.looking_from(), alpha, 0};
+      if (!watch_ && shortened_ >= kWatchdogTrigger) watch_ = Watch{point(), step, filter_.looking_from(), alpha, 0};
       const Search found = watch_ ? watched_search(step, alpha) : search(step, alpha);
       if (found == Search::kNothing) {
         filter_.leave_for_good();

@@ -29,8 +29,10 @@ KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double 
       factor_.factorise(form.kkt().values, kPivotThreshold, static_cast<int>(form.constraints()), both_);
   multiplications_ += factor_.factorisation_work();
   if (outcome == ChainLdlt::Outcome::kSingular) return Inertia::kSingular;
-  const bool right = outcome == ChainLdlt::Outcome::kDone && factor_.negative_eigenvalues() == form.constraints();
-  return right ? Inertia::kRight : Inertia::kWrong;
+  if (outcome != ChainLdlt::Outcome::kDone) return Inertia::kWrong;
+  // With a Jacobian of full rank there are at least as many negative eigenvalues as constraints, whatever the Hessian.
+  if (factor_.negative_eigenvalues() < form.constraints()) return Inertia::kSingular;
+  return factor_.negative_eigenvalues() == form.constraints() ? Inertia::kRight : Inertia::kWrong;
 }
 
 // Inertia correction. If the last iteration needed a large shift of the Hessian, this one probably needs one as well.

@@ -35,7 +35,7 @@ namespace {
 // Uses our interior-point method if the options ask for it and for the chain factorisation; otherwise, or where it
 // breaks down, Ipopt.
 SolveReport solve_by_either(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
-  const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == kChainSolver;
+  const bool own = options.optimiser == Optimiser::kInteriorPoint && options.linear_solver == kChainSolver;
   if (!own) return solve_by_ipopt(nlp, start, options);
   SolveReport first = solve_by_interior_point(nlp, start, options);
   if (!broke_down(first.status)) return first;

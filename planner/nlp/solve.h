@@ -28,7 +28,7 @@ struct Iterate {
 
 enum class Optimiser {
   kIpopt,
-  kOwn,  // our interior-point method (interior_point.h), and where that fails Ipopt from the same start
+  kInteriorPoint,  // our interior-point method (interior_point.h), and where that fails Ipopt from the same start
 };
 
 // Where a solve begins.

@@ -136,13 +136,16 @@ void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp)
   }
 }
 
+// Fraction of an interval: torques are read this far inside of it, because they may jump at its ends.
+inline constexpr double kInside = 1e-6;
+
 inline Joints<double> torque_margins(const CollocationSetup& setup, std::size_t k) {
   constexpr std::size_t kFirst = Quantities::first_limit<Torque>();
   return setup.margins.empty() ? Joints<double>{0, 0}
                                : Joints<double>{setup.margins[k][kFirst], setup.margins[k][kFirst + 1]};
 }
 
-// Bounds what moves in a pause, and the torque by what friction holds.
+// Bounds of a pause: |dq| and |dtheta| by `speed` [rad/s], and |u| by the friction torque at that speed.
 template <Features F>
 void keep_still(typename ArmOcp<F>::Bounds& b, const Parameters& robot, double speed) {
   const auto within = [](double& lower, double& upper, double bound) {
@@ -215,7 +218,6 @@ template <Features F>
 auto point_costs(const MotionPrice& price, const Scheme& scheme, const Mesh& mesh) {
   using Ocp = ArmOcp<F>;
   constexpr int kOfTorque = F.rate ? Ocp::kArm : Ocp::kStates;
-  constexpr double kInside = 1e-6;  // fraction of an interval: u is read this far inside, since it may jump at the ends
   std::vector<PointCost<Ocp::kStates + Ocp::kControls>> costs;
   const std::vector<double> times = mesh.node_times(price.durations);
   auto first = price.pieces.begin();
@@ -311,8 +313,8 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
   for (int k = 0; k < transcription.intervals(); ++k) {
     const double from = times[static_cast<std::size_t>(k)], to = times[static_cast<std::size_t>(k) + 1];
     if constexpr (!F.rate) {
-      for (int end = 0; end < 2; ++end) {  // evaluated just inside the interval, since a guess may jump at its ends
-        const Joints<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
+      for (int end = 0; end < 2; ++end) {
+        const Joints<double> u = guess.torque((from + (end == 0 ? kInside : 1 - kInside) * (to - from)) / times.back());
         z.segment<kControls>(transcription.u_at(k, end)) = Eigen::Map<const Eigen::Vector2d>(u.data());
       }
     }

@@ -105,6 +105,11 @@ struct ArmOcp {
   double kink = 0;                                          // [W] see Instant
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
+  // Evaluates the problem at a point. x (kStates): q, dq, theta, dtheta; with F.rate the torque u [N m], with F.peak
+  // the peaks [N m], with F.slack the slack. u (kControls): the friction-compensated torque [N m]; with F.rate its
+  // rate, in units of kRateUnit. f (kStates): dx/dt. cost: the weighted running cost per second, the regularisation
+  // included. rows (kRows): of limits and of the task in this segment; those of quantities without a limit are not
+  // written.
   template <class T>
   void evaluate(int segment, const T* x, const T* u, T* f, T& cost, T* rows) const {
     const auto state = State<T>::from(x);

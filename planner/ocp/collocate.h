@@ -40,6 +40,8 @@ struct Collocated {
 // durations: of the segments [s].
 Mesh uniform_mesh(const std::vector<double>& durations, int intervals);
 
+// Solves the problem on the setup's mesh from a guess. A problem that cannot be solved is no error: report.status tells
+// how it ended, and `motion` is that of the last iterate, if there is one.
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options);
 

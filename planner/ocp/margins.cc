@@ -79,56 +79,56 @@ std::vector<std::vector<TaskRow>> rows_by_segment(const Problem& problem) {
 }
 
 // A state that the request prescribes: its place along the motion, counted in segments, and its distance to each limit.
-struct Given {
+struct PrescribedState {
   double place;
   PerLimit clearance;
 };
 
-Given given_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
+PrescribedState prescribed_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
   Limits needs = Limits::all(0);
   const Joints<double> nothing{};
   raise(needs, {problem.robot, x, nothing, nothing}, [](const QuantityInfo&) { return true; });
-  Given given{place, {}};
-  for (const LimitName& name : kLimitNames) given.clearance.push_back(name.in(problem.limits) - name.in(needs));
+  PrescribedState prescribed{place, {}};
+  for (const LimitName& name : kLimitNames) prescribed.clearance.push_back(name.in(problem.limits) - name.in(needs));
   const auto posture = Posture<double>::of(problem.robot, x.q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
-    given.clearance.push_back(row.clearance(row.value(problem.robot, posture)));
+    prescribed.clearance.push_back(row.clearance(row.value(problem.robot, posture)));
   }
-  return given;
+  return prescribed;
 }
 
-std::vector<Given> given_states(const Problem& problem) {
-  std::vector<Given> given{given_at(problem, 0, 0, problem.start)};
+std::vector<PrescribedState> prescribed_states(const Problem& problem) {
+  std::vector<PrescribedState> prescribed{prescribed_at(problem, 0, 0, problem.start)};
   for (std::size_t i = 0; i < problem.via.size(); ++i) {  // unprescribed velocities count as 0
     const Via& via = problem.via[i];
     if (via.tolerance > 0) {  // a corner of a path prescribes only angles, to a tolerance
-      given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
-      std::fill(given.back().clearance.begin() + kLimits, given.back().clearance.end(), kNoLimit);
+      prescribed.push_back(prescribed_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
+      std::fill(prescribed.back().clearance.begin() + kLimits, prescribed.back().clearance.end(), kNoLimit);
       continue;
     }
     const Joints<double> dq = via.dq.value_or(Joints<double>{0, 0});
-    given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
+    prescribed.push_back(prescribed_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
   }
   const Goal& goal = problem.goal;
   const Joints<double> still{0, 0};
   const auto end = static_cast<double>(segment_count(problem));
-  given.push_back(given_at(problem, end, segment_count(problem) - 1,
-                           {goal.q, goal.dq, goal.theta.value_or(goal.q), goal.dtheta.value_or(still)}));
-  if (!goal.any_free()) return given;
+  prescribed.push_back(prescribed_at(problem, end, segment_count(problem) - 1,
+                                     {goal.q, goal.dq, goal.theta.value_or(goal.q), goal.dtheta.value_or(still)}));
+  if (!goal.any_free()) return prescribed;
   // One angle is prescribed alone, so that nothing but its own limit is known to be near.
-  PerLimit& clearance = given.back().clearance;
+  PerLimit& clearance = prescribed.back().clearance;
   for (std::size_t i = 0; i < clearance.size(); ++i) {
     const bool known = i < kLimits && kLimitNames[i].is_of(LinkPosition::info) && !goal.free[kLimitNames[i].j()];
     if (!known) clearance[i] = kNoLimit;
   }
-  return given;
+  return prescribed;
 }
 
 // The part of the margins that does not depend on a motion: base margins, reserve, and where margins cannot act.
-class Frame {
+class MarginRules {
  public:
-  explicit Frame(const Problem& problem)
-      : problem_(problem), given_(given_states(problem)), scale_(limit_scales(problem)) {}
+  explicit MarginRules(const Problem& problem)
+      : problem_(problem), prescribed_(prescribed_states(problem)), scale_(limit_scales(problem)) {}
 
   std::size_t count() const { return scale_.size(); }
   double scale(std::size_t i) const { return scale_[i]; }
@@ -136,18 +136,19 @@ class Frame {
   // Returns the base margin of limit i, or 0 if a prescribed state is closer to the limit than that.
   double base_margin(std::size_t i) const {
     double clearance = kBaseMargin * scale_[i];
-    if (std::any_of(given_.begin(), given_.end(), [&](const Given& g) { return lies_on(g, i); })) clearance = 0;
+    if (std::any_of(prescribed_.begin(), prescribed_.end(), [&](const PrescribedState& g) { return lies_on(g, i); }))
+      clearance = 0;
     return clearance;
   }
 
   // Returns whether margins of limit i cannot act on an interval, because a prescribed state nearby lies on the limit
   // or closer to it than `needed`, and moving away from a limit takes time. from, to: the interval, counted in
   // segments. Task constraints are treated like limits on positions.
-  bool held(std::size_t i, double from, double to, double needed = 0) const {
+  bool cannot_act(std::size_t i, double from, double to, double needed = 0) const {
     const Leaving leaving = i < kLimits ? kLimitNames[i].quantity->leaving : Leaving::kSlowly;
     if (leaving == Leaving::kAtOnce) return false;
     const double window = leaving == Leaving::kSlowly ? kWindow * static_cast<double>(segment_count(problem_)) : 1e-9;
-    return std::any_of(given_.begin(), given_.end(), [&](const Given& g) {
+    return std::any_of(prescribed_.begin(), prescribed_.end(), [&](const PrescribedState& g) {
       const bool close = lies_on(g, i) || g.clearance[i] < needed;
       return close && from < g.place + window && to > g.place - window;
     });
@@ -156,14 +157,16 @@ class Frame {
   // Returns the reserve for the uncertainty of the arm, or 0 if a prescribed state lies closer to the limit.
   double reserve(std::size_t i, double from, double to) const {
     const double kept = problem_.variation.reserve.largest(i, from, to);
-    return kept > 0 && !held(i, from, to, kept + base_margin(i)) ? kept : 0;
+    return kept > 0 && !cannot_act(i, from, to, kept + base_margin(i)) ? kept : 0;
   }
 
  private:
-  bool lies_on(const Given& given, std::size_t i) const { return given.clearance[i] < kBaseMargin * scale_[i]; }
+  bool lies_on(const PrescribedState& prescribed, std::size_t i) const {
+    return prescribed.clearance[i] < kBaseMargin * scale_[i];
+  }
 
   const Problem& problem_;
-  std::vector<Given> given_;
+  std::vector<PrescribedState> prescribed_;
   std::vector<double> scale_;
 };
 
@@ -183,7 +186,7 @@ PerLimit limit_scales(const Problem& problem) {
 
 std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
                                               const std::vector<PerLimit>& margins) {
-  const Frame frame(problem);
+  const MarginRules rules(problem);
   const auto rows = rows_by_segment(problem);
   const std::vector<double> nodes = places(mesh);
   std::vector<TightenedLimits> tightened;
@@ -192,10 +195,10 @@ std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh
     for (const TaskRow& row : rows[static_cast<std::size_t>(mesh.intervals[k].segment)]) {
       here.task_rows.push_back({row.lower, row.upper});
     }
-    for (std::size_t i = 0; i < frame.count(); ++i) {
-      double off = frame.base_margin(i);
-      if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
-      off += frame.reserve(i, nodes[k], nodes[k + 1]);
+    for (std::size_t i = 0; i < rules.count(); ++i) {
+      double off = rules.base_margin(i);
+      if (!margins.empty() && !rules.cannot_act(i, nodes[k], nodes[k + 1])) off += margins[k][i];
+      off += rules.reserve(i, nodes[k], nodes[k + 1]);
       if (i < kLimits) {
         double& limit = kLimitNames[i].in(here.limits);
         if (std::isfinite(off)) limit = std::max(limit - off, 0.0);
@@ -209,11 +212,11 @@ std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh
   return tightened;
 }
 
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& solved, double keep,
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& solved, double base_margin,
                                double slack) {
   const Motion motion = with_integrated_positions(solved, mesh);  // as it is published
   const Joints<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
-  const Frame frame(problem);
+  const MarginRules rules(problem);
   const std::optional<Slack>& relaxing = problem.variation.slack;
   const auto rows = rows_by_segment(problem);
   const std::vector<double> nodes = places(mesh);
@@ -222,14 +225,16 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
     const Limits reached = reached_in(problem, friction, motion, k);
     const std::vector<double> clearance =
         clearance_in(problem, rows[static_cast<std::size_t>(mesh.intervals[k].segment)], motion, k);
-    PerLimit excess(frame.count(), 0.0);
-    for (std::size_t i = 0; i < frame.count(); ++i) {
-      const double scale = frame.scale(i);
+    PerLimit excess(rules.count(), 0.0);
+    for (std::size_t i = 0; i < rules.count(); ++i) {
+      const double scale = rules.scale(i);
       const double beyond =
           i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -clearance[i - kLimits];
       const double relaxed_by = relaxing && i < relaxing->direction.size() ? slack * relaxing->direction[i] : 0;
-      const double over = beyond - relaxed_by + keep * frame.base_margin(i) + frame.reserve(i, nodes[k], nodes[k + 1]);
-      const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
+      const double over =
+          beyond - relaxed_by + base_margin * rules.base_margin(i) + rules.reserve(i, nodes[k], nodes[k + 1]);
+      const bool counts =
+          std::isfinite(scale) && over > kNegligible * scale && !rules.cannot_act(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;
     }
     result.push_back(std::move(excess));

@@ -37,13 +37,13 @@ struct TightenedLimits {
 std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
                                               const std::vector<PerLimit>& margins);
 
-// Returns by how much each limit, tightened by the fraction `keep` of the base margin and by the reserve, is exceeded
-// on each interval of the motion, between and at the collocation points, with the exact friction law. It is 0 where the
-// limit holds, and where no margin can act. If the friction torque steps between two probes, the whole step counts.
-// slack: value of the problem's slack, by which limits are relaxed.
-inline constexpr double kKeep = 0.8;  // the optimiser's inaccuracy may use up a fifth of the base margin
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
-                               double slack = 0);
+// Returns by how much each limit, tightened by the fraction `base_margin` of the base margin and by the reserve, is
+// exceeded on each interval of the motion, between and at the collocation points, with the exact friction law. It is 0
+// where the limit holds, and where no margin can act. If the friction torque steps between two probes, the whole step
+// counts. slack: value of the problem's slack, by which limits are relaxed.
+inline constexpr double kCheckedBaseMargin = 0.8;  // the optimiser's inaccuracy may use up a fifth of the base margin
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion,
+                               double base_margin = kCheckedBaseMargin, double slack = 0);
 
 // Where the torque, with the exact friction law, exceeds the peak [N m] that bounds it at the collocation points, the
 // excess is entered as an excess of the torque limit.

@@ -21,6 +21,7 @@ std::map<std::string, double> objective_terms(const Problem& problem, const Coll
 // and those of the closed loop.
 std::map<std::string, double> terms_of_rows(const Parameters& robot, const Trajectory& rows);
 
+// Returns the sum of the terms that have a weight, times their weights. Throws std::out_of_range if one is missing.
 double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms);
 
 // Returns the weighted objective of the trajectory that would be published for the solution.

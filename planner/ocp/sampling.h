@@ -10,8 +10,9 @@
 
 namespace fjr {
 
-// Half a count of the link encoder is 5e-5 rad. A velocity error of the slowest motor decays within 0.14 s (J1/B1), and
-// the errors of hundreds of samples rarely have the same sign.
+// Error of a motor's velocity that the interpolation of its torque between two rows may cause. One such error moves the
+// slowest motor by at most 1e-4 rad/s times 0.14 s (J1/B1), 1.4e-5 rad. The errors of hundreds of rows rarely have the
+// same sign, so that their sum stays below half a count of the link encoder, 5e-5 rad.
 inline constexpr double kRowVelocityError = 1e-4;  // [rad/s]
 
 // States are polynomials on an interval, one row of coefficients per state, lowest degree first, in the fraction of the

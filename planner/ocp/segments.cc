@@ -6,8 +6,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kShortestSegment = 1e-3;  // [s] also the smallest distance of two via times in a request
-
 // Returns the stretches of segments between two prescribed times (or up to the end), with the bounds on their
 // durations.
 std::vector<DurationSum> stretches(const Problem& problem) {

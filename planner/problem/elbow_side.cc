@@ -21,7 +21,7 @@ constexpr double kSameDistance = 1e-9;  // [m]
 
 // Range of distances [m] of the tip from the base.
 struct Band {
-  const char* region;
+  std::string region;
   double nearest, furthest;
 };
 
@@ -35,9 +35,10 @@ Band of_box(const TipBox& box) {
           std::hypot(x, y)};
 }
 
-// Returns the range of the points of a line or an arc, with the tolerance round them.
-Band of_points(const char* region, const std::vector<Coordinates>& points, double tolerance) {
-  Band band{region, kNoLimit, 0};
+// Returns the range of the points of a path, with the tolerance round them.
+Band of_path(const TipPath& path) {
+  const std::vector<Coordinates> points = points_along(path);
+  Band band{path.name, kNoLimit, 0};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double away = std::hypot(points[i][0], points[i][1]);
     band.furthest = std::max(band.furthest, away);
@@ -46,16 +47,15 @@ Band of_points(const char* region, const std::vector<Coordinates>& points, doubl
     const double step = std::hypot(points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1]);
     band.nearest = std::min(band.nearest, away - step / 2);  // a line may pass the base between two points
   }
-  band.nearest = std::max(0.0, band.nearest - kWider * tolerance);
-  band.furthest += kWider * tolerance;
+  band.nearest = std::max(0.0, band.nearest - kWider * path.tolerance);
+  band.furthest += kWider * path.tolerance;
   return band;
 }
 
 std::optional<Band> band_of(const Task& task) {
   if (task.box) return of_box(*task.box);
-  if (task.line) return of_points(kInfo<TipLine>.name, points_along(*task.line), task.line->tolerance);
-  if (task.arc) return of_points(kInfo<TipArc>.name, points_along(*task.arc), task.arc->tolerance);
-  return std::nullopt;
+  const std::optional<TipPath> path = tip_path(task);
+  return path ? std::optional(of_path(*path)) : std::nullopt;
 }
 
 const char* side(double q2) { return std::sin(q2) < 0 ? "left" : "right"; }  // same convention as inverse_kinematics()

@@ -15,6 +15,7 @@
 #include "planner/problem/objective_terms.h"
 #include "planner/problem/quantities.h"
 #include "planner/problem/task/shapes.h"
+#include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 
@@ -100,7 +101,9 @@ struct ProblemVariation {
 };
 
 inline constexpr const char* kDefaultMethod = "hermite-simpson";
-inline constexpr double kDefaultSamplePeriod = 0.001, kLongestSamplePeriod = 0.005;  // [s]
+inline constexpr double kDefaultSamplePeriod = 0.001, kLongestSamplePeriod = kLongestSpacing;  // [s]
+inline constexpr std::size_t kMostVias = 32;                                                   // or corners of a path
+inline constexpr double kShortestSegment = 1e-3;                                               // [s]
 
 struct Problem {
   Parameters robot;
@@ -133,6 +136,14 @@ inline Joints<double> held_at_goal(const Problem& problem) {
   if (!problem.goal.at_rest || problem.goal.any_free()) return {0, 0};
   const Joints<double> gravity = gravity_torque(problem.robot, problem.goal.q);
   return {std::abs(gravity[0]), std::abs(gravity[1])};
+}
+
+// Returns the link angles [rad] of start, via points and goal, between which the segments lie.
+inline std::vector<Joints<double>> waypoints(const Problem& problem) {
+  std::vector<Joints<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
+  return points;
 }
 
 // Returns whether any via point has a prescribed time.

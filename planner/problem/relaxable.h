@@ -51,6 +51,8 @@ struct Relaxable {
   }
 };
 
+// Returns all that can be relaxed by itself: finite limits in the order of kLimitNames, then the constraints of the
+// task in the order of each_constraint(), then the velocities asked for at via points and at the goal.
 std::vector<Relaxable> relaxables(const Problem& problem);
 
 // Returns the relaxation of a quantity of both joints by the same factor.

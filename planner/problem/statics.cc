@@ -7,9 +7,7 @@ namespace fjr {
 
 Carrying carrying(const Problem& problem) {
   constexpr int kPieces = 200;
-  std::vector<Joints<double>> points{problem.start.q};
-  for (const Via& via : problem.via) points.push_back(via.q);
-  points.push_back(problem.goal.q);
+  const std::vector<Joints<double>> points = waypoints(problem);
   Carrying most;
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
     for (int i = 0; i <= kPieces; ++i) {

@@ -1,35 +1,30 @@
 #include "planner/problem/tip_path.h"
 
-#include <cmath>
-
-#include "planner/problem/task/task.h"
-
 namespace fjr {
-namespace {
 
-constexpr int kPieces = 400;
-
-template <class Path>
-std::vector<Coordinates> points(const Path& path) {
-  std::vector<Coordinates> result;
-  for (int i = 0; i <= kPieces; ++i)
-    result.push_back(along(path, path.from, path.to, static_cast<double>(i) / kPieces));
-  return result;
+std::optional<TipPath> tip_path(const Task& task) {
+  std::optional<TipPath> found;
+  std::size_t number = 0;
+  each_constraint(task, [&](const std::string& name, const auto& constraint) {
+    if constexpr (requires { along(constraint, Coordinates{}, Coordinates{}, 0.0); }) {
+      if (found) return;
+      const auto position = [constraint](const Coordinates& from, const Coordinates& to, double fraction) {
+        return along(constraint, from, to, fraction);
+      };
+      found = TipPath{name, number, constraint.tolerance, constraint.from, constraint.to, position};
+    }
+    ++number;
+  });
+  return found;
 }
 
-}  // namespace
-
-Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to, double fraction) {
-  return {std::lerp(from[0], to[0], fraction), std::lerp(from[1], to[1], fraction)};
+std::vector<Coordinates> points_along(const TipPath& path) {
+  constexpr int kPieces = 400;
+  std::vector<Coordinates> points;
+  for (int i = 0; i <= kPieces; ++i) {
+    points.push_back(path.along(path.from, path.to, static_cast<double>(i) / kPieces));
+  }
+  return points;
 }
-
-Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction) {
-  const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
-  const double angle = angle_of(arc, from) + fraction * turn_between(arc, from, to);
-  return {arc.center[0] + radius * std::cos(angle), arc.center[1] + radius * std::sin(angle)};
-}
-
-std::vector<Coordinates> points_along(const TipLine& line) { return points(line); }
-std::vector<Coordinates> points_along(const TipArc& arc) { return points(arc); }
 
 }  // namespace fjr

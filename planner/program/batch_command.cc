@@ -77,7 +77,7 @@ Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
   const Json plan = bad_input_json(item.name, error.what(), error.field());
   {
     const FolderLock lock(folder);
-    if (worth_of(folder) != Worth::kNothing) return make_row(item, plan);
+    if (value_of_results(folder) != ResultValue::kNothing) return make_row(item, plan);
   }
   begin(batch, item);
   NewResults results(folder);

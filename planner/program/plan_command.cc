@@ -161,7 +161,7 @@ void load(PlanJob& job, const PlanLibrary* library, const PlanArguments& options
 
 bool has_earlier_results(const PlanJob& job) {
   const FolderLock lock(job.folder);
-  return worth_of(job.folder) != Worth::kNothing;
+  return value_of_results(job.folder) != ResultValue::kNothing;
 }
 
 // A refused request does not replace earlier results.

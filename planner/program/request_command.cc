@@ -157,7 +157,7 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   const PlanStatus status = status_of(reply);
   if (status == PlanStatus::kBadInput) {
     const FolderLock lock(folder);
-    if (worth_of(folder) != Worth::kNothing) return "";  // a refusal is nothing to make room for
+    if (value_of_results(folder) != ResultValue::kNothing) return "";  // a refusal is nothing to make room for
   }
   NewResults results(folder);
   if (!reply.rows.empty()) {

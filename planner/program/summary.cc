@@ -177,7 +177,7 @@ std::string optimality(const Plan& plan) {
   if (!h.stationary()) {
     text += line("optimality",
                  fmt::format("not stationary: the Hamiltonian varies by {} of objective / duration, {} at "
-                             "most would count as constant: a better motion may be near, and what is limiting is rough",
+                             "most would count as constant: a better motion may be near, and shadow prices are rough",
                              percent(h.spread / size), percent(h.allowed / size)));
   }
   if (o.friction_width > 0) {
@@ -215,8 +215,8 @@ std::string effort(const Plan& plan) {
 std::string search(const Plan& plan) {
   std::string text;
   if (plan.warm_refusal) {
-    text +=
-        line("warm", fmt::format("planned from scratch, for {} was of no use: {}", earlier(plan), *plan.warm_refusal));
+    text += line("warm", fmt::format("planned from scratch, because {} could not be used: {}", earlier(plan),
+                                     *plan.warm_refusal));
   }
   if (plan.cut_by_deadline) {
     text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "

@@ -133,12 +133,12 @@ Problem parse_request(const std::string& yaml, const std::string& source, const 
 std::filesystem::path robot_file_of(const Request& request, const std::filesystem::path& folder,
                                     const std::filesystem::path& default_robot = {});
 
-// Returns the objective of requests that name none.
-Preset default_preset(const Duration& duration);
-
-// Do the same for a robot that is known already, for a request that names none.
+// As parse_request() and resolve(), but for this robot. Throw InputError if the request names one.
 Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);
 Problem resolve_for(const Request& request, const Parameters& robot);
+
+// Returns the objective of requests that name none.
+Preset default_preset(const Duration& duration);
 
 // Returns the SHA-256 of the resolved values, not of the file's bytes.
 std::string request_hash(const Problem& problem);

@@ -128,7 +128,8 @@ void visit(R& r, Visit&& v) {
     r.theta);
   v(Key{"dtheta", "rad/s", "motor velocities of a moving goal", "free", "beside `dq` only, within `motor_velocity`"},
     r.dtheta);
-  v(Key{"tip", "m", "position of the tip", "needed, this or `goal.q`", "within reach, 0.04 to 0.65 from the base"},
+  v(Key{"tip", "m", "position of the tip", "needed, this or `goal.q`",
+        "within the arm's reach, of the shipped robot 0.04 to 0.65 from the base"},
     r.tip);
   v(Key{"elbow", "", "side of the line from base to tip that the elbow is on, beside `tip`", "`any`",
         "`any`, `left`, `right`"},

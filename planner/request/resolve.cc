@@ -24,8 +24,6 @@ namespace fjr {
 namespace {
 
 constexpr double kShortestPeriod = 0.0005;  // [s] between rows
-constexpr double kViaSpacing = 1e-3;        // [s] between vias, and from both ends
-constexpr std::size_t kMaxVias = 32;
 constexpr double kLargestWeight = 1e9;
 constexpr const char* kNothingUncertain =
     "the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain";
@@ -338,16 +336,16 @@ void resolve_tip_goal(const Request& request, const TipGoal& asked, Problem& pro
 
 void check_via_time(const Place& place, double time, double after, const Duration& duration) {
   if (!duration.fixed()) place.fail("needs a fixed duration; without one a via point is passed at any time");
-  const double spacing = kViaSpacing * (1 - 1e-9);  // with rounding, 0.301 has to count as 0.001 after 0.3
+  const double spacing = kShortestSegment * (1 - 1e-9);  // with rounding, 0.301 has to count as 0.001 after 0.3
   if (time - after < spacing || duration.max - time < spacing) {
     place.fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration.max,
-                           kViaSpacing));
+                           kShortestSegment));
   }
 }
 
 Via resolve_via(const Place& place, const RequestedVia& asked, const Problem& problem) {
   double after = 0;
-  for (const Via& via : problem.via) after = via.time.value_or(after + kViaSpacing);
+  for (const Via& via : problem.via) after = via.time.value_or(after + kShortestSegment);
   Via via;
   if (asked.time) check_via_time(place.at("time"), *asked.time, after, problem.duration);
   via.time = asked.time;
@@ -381,8 +379,8 @@ void check_via_times(const Place& vias, const Problem& problem) {
 
 void resolve_vias(const Request& request, const std::vector<RequestedVia>& asked, Problem& problem) {
   const Place place{request, "via"};
-  if (asked.size() > kMaxVias) {
-    place.fail(fmt::format("{} points, above the {} allowed", asked.size(), kMaxVias));
+  if (asked.size() > kMostVias) {
+    place.fail(fmt::format("{} points, above the {} allowed", asked.size(), kMostVias));
   }
   for (std::size_t i = 0; i < asked.size(); ++i) {
     problem.via.push_back(resolve_via(place.at(i), asked[i], problem));
@@ -398,11 +396,12 @@ void check_time_left(const Request& request, const Problem& problem) {
     after = via.time ? 0 : after + 1;
     last = via.time.value_or(last);
   }
-  const double left = problem.duration.max - last, needed = static_cast<double>(after + 1) * kViaSpacing * (1 - 1e-9);
+  const double left = problem.duration.max - last,
+               needed = static_cast<double>(after + 1) * kShortestSegment * (1 - 1e-9);
   if (left >= needed) return;
   Place{request, problem.task.path ? "path" : "via"}.fail(
       fmt::format("{} points after {} s leave no time until the end at {} s, at least {} s apart", after, last,
-                  problem.duration.max, kViaSpacing));
+                  problem.duration.max, kShortestSegment));
 }
 
 // Decides where a thrown object is released: at the via point that says so; otherwise at the goal if the arm moves

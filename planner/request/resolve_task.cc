@@ -19,9 +19,8 @@ namespace {
 
 using task::distance, task::kShortest;
 
-constexpr std::size_t kMostCorners = 32;  // as many as via points
-constexpr double kCornerFraction = 0.1;   // fraction of the tolerance within which corners are passed
-constexpr double kOnBound = 1e-6;         // fraction of a constraint's scale: as good as kept
+constexpr double kCornerFraction = 0.1;  // fraction of the tolerance within which corners are passed
+constexpr double kOnBound = 1e-6;        // fraction of a constraint's scale: as good as kept
 
 // Returns the place of a constraint in the request, where the regions of the tip are below `tip`.
 Place place_of(const Request& request, const char* key) {
@@ -74,8 +73,8 @@ void resolve_path(const Request& request, const RequestedPath& asked, Problem& p
   const std::vector<Joints<double>>& points = asked.points;
   JointPath path{{problem.start.q}, asked.tolerance};
   check(path, place);
-  if (points.size() > kMostCorners) {
-    place.at("points").fail(fmt::format("{} points, above the {} allowed", points.size(), kMostCorners));
+  if (points.size() > kMostVias) {
+    place.at("points").fail(fmt::format("{} points, above the {} allowed", points.size(), kMostVias));
   }
   for (std::size_t i = 0; i < points.size(); ++i) add_corner(place.at("points").at(i), points[i], path, problem);
   if (distance(problem.goal.q, path.corners.back()) < kShortest) {

@@ -186,14 +186,14 @@ bool has_certified_plan(const fs::path& folder) {
   return plan_status(text_at(read_plan_json(folder), "status")) == PlanStatus::kCertified;
 }
 
-Worth worth_of(const fs::path& folder) {
+ResultValue value_of_results(const fs::path& folder) {
   const std::string said = text_at(read_plan_json(folder), "status");
   const std::optional<PlanStatus> status = plan_status(said);
-  if (status == PlanStatus::kCertified || fs::exists(folder / "trajectory.csv")) return Worth::kPlan;
-  if (said.empty() && fs::exists(folder / "plan.json")) return Worth::kPlan;
+  if (status == PlanStatus::kCertified || fs::exists(folder / "trajectory.csv")) return ResultValue::kPlan;
+  if (said.empty() && fs::exists(folder / "plan.json")) return ResultValue::kPlan;
   const bool answered =
       status == PlanStatus::kInfeasible || status == PlanStatus::kNotConverged || status == PlanStatus::kUncertified;
-  return answered ? Worth::kAnswer : Worth::kNothing;
+  return answered ? ResultValue::kAnswer : ResultValue::kNothing;
 }
 
 // The lock is on the parent, because the folder itself is exchanged.
@@ -234,8 +234,9 @@ bool NewResults::publish() {
 // Links or copies the replaced results, or those kept in `previous` before, into `previous` of the new folder. Returns
 // whether they are the replaced ones.
 bool NewResults::keep_previous() const {
-  const Worth replaced = worth_of(folder_), before = worth_of(folder_ / kPrevious);
-  const bool lost = replaced == Worth::kPlan || (replaced == Worth::kAnswer && worth_of(stage_) < Worth::kPlan);
+  const ResultValue replaced = value_of_results(folder_), before = value_of_results(folder_ / kPrevious);
+  const bool lost = replaced == ResultValue::kPlan ||
+                    (replaced == ResultValue::kAnswer && value_of_results(stage_) < ResultValue::kPlan);
   const bool keep = lost && replaced >= before && !same_results(folder_, stage_);
   const fs::path from = keep ? folder_ : folder_ / kPrevious;
   if (!keep && !fs::exists(from)) return false;

@@ -20,7 +20,7 @@ bool is_result(const std::filesystem::path& name);
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced
 
 // How valuable results are, by which NewResults::publish() decides whether to keep replaced ones.
-enum class Worth {
+enum class ResultValue {
   kNothing,  // there are none, or the request was refused, cancelled or out of time
   kAnswer,   // planned to the end, without a certified trajectory
   kPlan      // certified
@@ -28,7 +28,7 @@ enum class Worth {
 
 // Decides by the status in plan.json. A folder with a trajectory.csv, whatever the status, or with a plan.json without
 // a status (which is not from fjr) counts as one with a certified plan.
-Worth worth_of(const std::filesystem::path& folder);
+ResultValue value_of_results(const std::filesystem::path& folder);
 
 bool has_certified_plan(const std::filesystem::path& folder);  // by the status in plan.json
 

@@ -1,6 +1,19 @@
 #include "planner/search/account.h"
 
+#include "common/field_count.h"
+
 namespace fjr {
+namespace {
+
+consteval std::size_t visited_fallbacks() {
+  std::size_t count = 0;
+  Fallbacks fallbacks;
+  visit_fallbacks(fallbacks, [&](const char*, int&) { ++count; });
+  return count;
+}
+static_assert(visited_fallbacks() == field_count<Fallbacks>(), "visit_fallbacks() leaves out a member");
+
+}  // namespace
 
 Fallbacks& Fallbacks::operator+=(const Fallbacks& other) {
   std::vector<int> counts;

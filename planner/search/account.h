@@ -57,7 +57,7 @@ struct Fallbacks {
 };
 
 template <class F, class Visit>
-void visit_fallbacks(F& f, Visit&& visit) {
+constexpr void visit_fallbacks(F& f, Visit&& visit) {
   visit("adaptive_barrier", f.adaptive_barrier);
   visit("friction_level", f.friction_level);
   visit("calmed", f.calmed);

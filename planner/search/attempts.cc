@@ -9,13 +9,13 @@
 
 namespace fjr {
 
-Attempts::Attempts(std::shared_ptr<const Problem> problem, Session& session, std::string label, double patience)
-    : problem_(std::move(problem)), session_(&session), label_(std::move(label)), patience_(patience) {}
+Attempts::Attempts(std::shared_ptr<const Problem> problem, Session& session, std::string label, double iteration_factor)
+    : problem_(std::move(problem)), session_(&session), label_(std::move(label)), iteration_factor_(iteration_factor) {}
 
 SolveOptions Attempts::options(const std::string& what) {
   SolveOptions o;
   o.linear_solver = session_->options().linear_solver;
-  o.max_iterations = static_cast<int>(std::lround(patience_ * settings().warm.iterations));
+  o.max_iterations = static_cast<int>(std::lround(iteration_factor_ * settings().warm.iterations));
   o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
     session_->tell({what, info.iteration, info.objective, info.violation});
     const double more = info.work - std::exchange(told, info.work);
@@ -29,7 +29,7 @@ SolveOptions Attempts::options(const std::string& what) {
 SolveOptions Attempts::warm_options(const std::string& what) {
   SolveOptions o = options(what);
   o.beginning = Beginning::kMultipliers;
-  o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kOwn;
+  o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kInteriorPoint;
   o.barrier_strategy = BarrierStrategy::kMonotone;
   o.initial_barrier = o.final_barrier = settings().warm.barrier;
   return o;

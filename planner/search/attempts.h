@@ -32,13 +32,13 @@ enum class Completion {
 
 class Attempts {
  public:
-  // label: names them in progress reports and stages. patience: factor on the iterations of most warm starts. The
-  // session must outlive this object.
-  Attempts(std::shared_ptr<const Problem> problem, Session& session, std::string label, double patience);
+  // label: names them in progress reports and stages. iteration_factor: factor on the iterations of most warm starts.
+  // The session must outlive this object.
+  Attempts(std::shared_ptr<const Problem> problem, Session& session, std::string label, double iteration_factor);
 
-  // These solve with another setup. They return whether they found a solution, which then is solution(); otherwise the
-  // last one stays, and status() tells why. what: names the solve. An attempt that failed from the present solution
-  // would fail again, so it is not repeated.
+  // The following functions solve with another setup. They return true if they find a solution, which solution() is
+  // from then on; otherwise solution() stays as it was, and status() is the reason. what: names the solve. An attempt
+  // that failed from the present solution would fail again, so it is not repeated.
   bool from_guess(const std::string& what, const CollocationSetup& setup, const Guess& guess, const SolveOptions& o);
 
   // From the present solution and its multipliers, on its mesh or a finer one.
@@ -78,7 +78,7 @@ class Attempts {
   Session& session() const { return *session_; }
   const ContinuationSettings& settings() const { return session_->settings().continuation; }
   const std::string& label() const { return label_; }
-  double patience() const { return patience_; }
+  double iteration_factor() const { return iteration_factor_; }
 
   const Collocated& solution() const { return solution_; }
   int solutions() const { return solutions_; }    // number of solutions so far; each replaced the one before
@@ -116,7 +116,7 @@ class Attempts {
   std::shared_ptr<const Problem> problem_;
   Session* session_;
   std::string label_;
-  double patience_;
+  double iteration_factor_;
   Collocated solution_;
   int solutions_ = 0;
   SolveStatus status_ = SolveStatus::kFailed;

@@ -14,14 +14,14 @@ namespace fjr {
 namespace {
 
 // Returns a path by way of a posture, if there is one and it is a detour.
-std::optional<Path> path_by(const Problem& problem, std::size_t segment, const Joints<double>& from,
+std::optional<Path> path_by(const DetourFinder& finder, std::size_t segment, const Joints<double>& from,
                             const Joints<double>& posture, const Joints<double>& to) {
   constexpr double kDetour = 1.05;  // times the straight way
   const double by_way_of_it = task::distance(from, posture) + task::distance(posture, to);
   if (by_way_of_it < kDetour * task::distance(from, to)) return std::nullopt;
-  const std::vector<Path> there = find_detours(problem, segment, from, posture, 1).paths;
+  const std::vector<Path> there = finder.find(segment, from, posture, 1).paths;
   if (there.empty()) return std::nullopt;
-  const std::vector<Path> onward = find_detours(problem, segment, posture, to, 1).paths;
+  const std::vector<Path> onward = finder.find(segment, posture, to, 1).paths;
   if (onward.empty()) return std::nullopt;
   Path path = there.front();
   path.insert(path.end(), onward.front().begin() + 1, onward.front().end());
@@ -60,6 +60,7 @@ std::vector<Guess> clear_guesses_by_postures(const Problem& problem, double dura
       {"joint 2 first", [](const auto& from, const auto& to) {
          return OptionalPosture{{from[0], to[1]}};
        }}};
+  const DetourFinder finder(problem);
   std::vector<Guess> guesses;
   for (const auto& [name, posture] : postures) {
     std::vector<Path> paths = usual;
@@ -67,7 +68,7 @@ std::vector<Guess> clear_guesses_by_postures(const Problem& problem, double dura
     for (std::size_t s = 0; s < paths.size(); ++s) {
       const Joints<double> from = usual[s].front(), to = usual[s].back();
       const OptionalPosture by = posture(from, to);
-      if (std::optional<Path> other = by ? path_by(problem, s, from, *by, to) : std::nullopt) {
+      if (std::optional<Path> other = by ? path_by(finder, s, from, *by, to) : std::nullopt) {
         paths[s] = std::move(*other);
         any = true;
       }

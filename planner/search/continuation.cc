@@ -57,8 +57,8 @@ bool solve_first(Attempts& attempts, const ContinuationOptions& options, const C
   SolveOptions o = attempts.options(what);
   o.max_iterations = most_iterations;
   const bool plain_and_fastest = only_time(problem.weights) && count_of_rows(problem.task) == 0;
-  const bool own = !has_reward(problem.weights) && (options.by_own_method || plain_and_fastest);
-  o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
+  const bool own = !has_reward(problem.weights) && (options.by_interior_point || plain_and_fastest);
+  o.optimiser = own ? Optimiser::kInteriorPoint : Optimiser::kIpopt;
   const double intervals = options.mesh_factor * coarse_intervals(problem, guess.duration(), attempts.settings().first);
   Smoothing smoothest = strategy.steps.front();
   smoothest.regularisation *= options.regularisation_factor;
@@ -92,7 +92,7 @@ Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& sess
                            ContinuationOptions options)
     : options_(std::move(options)),
       strategy_(options_.strategy.value_or(usual_strategy(*problem))),
-      attempts_(std::move(problem), session, std::move(label), options_.patience) {}
+      attempts_(std::move(problem), session, std::move(label), options_.iteration_factor) {}
 
 StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
   const Problem& problem = attempts_.problem();
@@ -166,7 +166,7 @@ bool Continuation::take_over(const Collocated& motion, double friction_width, do
   setup.smoothing.friction_width = friction_width;
   SolveOptions o = attempts_.options(what);
   o.max_iterations = most_iterations;
-  o.optimiser = Optimiser::kOwn;
+  o.optimiser = Optimiser::kInteriorPoint;
   o.initial_barrier = barrier;
   return attempts_.from_guess(what, setup, guess_of(motion), o);
 }

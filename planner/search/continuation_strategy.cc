@@ -4,17 +4,18 @@
 
 namespace fjr {
 
-// The steps lead from a smooth to the exact friction law, each solution starting the next. Optima of objectives that
-// depend on friction have motors resting within the step of the law; steps of about a factor of three keep every warm
-// start within tens of iterations. For other objectives the law only shifts the torque limit, and large steps do. There
-// the regularisation by effort makes the first problems easy: with 0.1 of it the time is up to 2 % longer; with 0.01,
-// which remains, by 0.03 to 0.1 %, and half the iterations are enough.
-//
-// The largest torque leaves all smaller ones free. While the law is smooth they are settled by so much effort that the
-// first problem is easy, and then by less and less of it; with 0.03 of it in the end later steps fail. The last law is
-// sharp enough for a motor to rest or to move, and in rows the peak is that of the exact law. With exact friction every
-// second motion was lost when its mesh was refined (bench/README.md). Where another term settles the torque, there is
-// no regularisation.
+// Each step is {width of the friction law [rad/s], regularisation by effort (make_arm_ocp())}; the solution of one step
+// starts the next. There are three kinds of objectives:
+// - It depends on friction (effort, energy, copper). At the optimum motors rest inside the step of the law, and with
+//   widths that fall by a factor of about three every warm start converges within tens of iterations.
+// - It does not. The law then only shifts the torque limits, and factors of ten and more converge. The regularisation
+//   makes the first problems easy: 0.1 costs up to 2 % of the time. 0.01 remains in the end, which costs 0.03 to 0.1 %
+//   of the time and saves half of the iterations.
+// - It contains the largest torque, which does not depend on any smaller torque. The regularisation determines those:
+//   with so much of it while the law is smooth that the first problem is easy, then with less and less, but not less
+//   than 0.1, because later steps fail with 0.03. Where another term determines them there is no regularisation. The
+//   last law is not the exact one, with which every second motion was lost when its mesh was refined
+//   (bench/README.md), but sharp enough for a motor to rest or to move. Rows have the peak of the exact law.
 ContinuationStrategy usual_strategy(const Problem& problem) {
   ContinuationStrategy usual;
   if (has_peak(problem.weights)) {

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <queue>
 #include <set>
@@ -31,16 +32,19 @@ struct Cell {
 // Returns whether the row is of a line or arc of the tip that is wide enough to contain cells of a coarse grid.
 bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && row.scale >= kWideTipPath; }
 
-class Grid {
+}  // namespace
+
+class AngleGrid {
  public:
-  Grid(const Problem& problem, std::size_t segment, double spacing)
+  AngleGrid(const Problem& problem, double spacing)
       : middle_(problem.limits.link_middle),
         limit_(problem.limits.link_position),
         speed_(problem.limits.motor_velocity) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
-    std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
+    // Rows that differ by segment are those of a joint path, which is narrow.
+    std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
     std::erase_if(rows, [](const TaskRow& row) { return row.info->is_band && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
     for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
@@ -128,10 +132,12 @@ class Grid {
   std::vector<double> clearance_, cost_;
 };
 
+namespace {
+
 // Dijkstra's algorithm. better(a, b): whether value a of a path is better than b. extend(value, from, to, time): value
 // of the path after one more step. Returns the cells of the best path; empty if there is none.
 template <class Better, class Extend>
-std::vector<std::size_t> search(const Grid& grid, std::size_t from, std::size_t to, double first, double worst,
+std::vector<std::size_t> search(const AngleGrid& grid, std::size_t from, std::size_t to, double first, double worst,
                                 const Better& better, const Extend& extend) {
   std::vector<double> value(grid.cells(), worst);
   std::vector<std::size_t> previous(grid.cells(), grid.cells());
@@ -162,7 +168,7 @@ std::vector<std::size_t> search(const Grid& grid, std::size_t from, std::size_t 
   return cells;
 }
 
-std::vector<std::size_t> quickest(const Grid& grid, std::size_t from, std::size_t to) {
+std::vector<std::size_t> quickest(const AngleGrid& grid, std::size_t from, std::size_t to) {
   return search(
       grid, from, to, 0, kInfinity, [](double a, double b) { return a < b; },
       [&](double value, std::size_t cell, std::size_t next, double time) {
@@ -170,13 +176,13 @@ std::vector<std::size_t> quickest(const Grid& grid, std::size_t from, std::size_
       });
 }
 
-std::vector<std::size_t> widest(const Grid& grid, std::size_t from, std::size_t to) {
+std::vector<std::size_t> widest(const AngleGrid& grid, std::size_t from, std::size_t to) {
   return search(
       grid, from, to, kInfinity, -kInfinity, [](double a, double b) { return a > b; },
       [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.clearance(next)); });
 }
 
-Path path_of(const Grid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
+Path path_of(const AngleGrid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
              const Joints<double>& to) {
   Path path{from};
   for (std::size_t k = 1; k + 1 < cells.size(); ++k) path.push_back(grid.q_of(cells[k]));
@@ -197,7 +203,7 @@ int winding(const Path& polygon, const Joints<double>& point) {
 }
 
 // Returns whether two paths are of one homotopy class: the loop that they form must not enclose a forbidden cell.
-bool same_path(const Grid& grid, const Path& a, const Path& b) {
+bool same_path(const AngleGrid& grid, const Path& a, const Path& b) {
   Path loop = a;
   loop.insert(loop.end(), b.rbegin(), b.rend());
   for (std::size_t c = 0; c < grid.cells(); ++c) {
@@ -220,15 +226,19 @@ std::vector<std::size_t> broken_on(const Problem& problem, std::size_t segment, 
 
 }  // namespace
 
-Detours find_detours(const Problem& problem, std::size_t segment, const Joints<double>& from, const Joints<double>& to,
-                     std::size_t most, double spacing) {
-  Grid grid(problem, segment, spacing);
+DetourFinder::DetourFinder(const Problem& problem, double spacing)
+    : problem_(problem), grid_(std::make_unique<AngleGrid>(problem, spacing)) {}
+DetourFinder::~DetourFinder() = default;
+
+Detours DetourFinder::find(std::size_t segment, const Joints<double>& from, const Joints<double>& to,
+                           std::size_t most) const {
+  AngleGrid grid = *grid_;
   Detours found;
   const std::vector<std::size_t> best = widest(grid, grid.cell_of(from, false), grid.cell_of(to, false));
   found.widest = path_of(grid, best, from, to);
   found.clearance = kInfinity;
   for (const std::size_t c : best) found.clearance = std::min(found.clearance, grid.clearance(c));
-  found.barred_by = broken_on(problem, segment, found.widest);
+  found.barred_by = broken_on(problem_, segment, found.widest);
   const std::size_t start = grid.cell_of(from, true), goal = grid.cell_of(to, true);
   if (!grid.free(start) || !grid.free(goal)) return found;
   for (int trial = 0; trial < kTrials && found.paths.size() < most; ++trial) {
@@ -249,27 +259,26 @@ namespace {
 // one.
 std::optional<std::string> beyond_reach(const Problem& problem) {
   constexpr int kPieces = 400;
-  const Task& task = problem.task;
-  if (!task.line && !task.arc) return std::nullopt;
+  const std::optional<TipPath> path = tip_path(problem.task);
+  if (!path) return std::nullopt;
   const auto [l1, l2] = problem.robot.link.length;
   const double lowest = problem.limits.lowest(1), highest = problem.limits.highest(1);
   const double most = std::min(std::max(std::abs(lowest), std::abs(highest)), std::numbers::pi);
   const double least = lowest > 0 ? lowest : highest < 0 ? -highest : 0;  // the elbow cannot be stretched further
   const auto away_at = [&](double bend) { return std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)); };
   const double nearest = away_at(most), furthest = least == 0 ? l1 + l2 : away_at(least);
-  const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
   const Point<double> begin = tip_position(problem.robot, problem.start.q),
                       end = tip_position(problem.robot, problem.goal.q);
   const Joints<double> from{begin.x, begin.y}, to{end.x, end.y};
   for (int i = 0; i <= kPieces; ++i) {
     const double s = static_cast<double>(i) / kPieces;
-    const Coordinates tip = task.line ? along(*task.line, from, to, s) : along(*task.arc, from, to, s);
+    const Coordinates tip = path->along(from, to, s);
     const double away = std::hypot(tip[0], tip[1]);
-    if (away > nearest - tolerance && away < furthest + tolerance) continue;
+    if (away > nearest - path->tolerance && away < furthest + path->tolerance) continue;
     return fmt::format(
         "{} passes [{:.4g}, {:.4g}] m, {:.4g} m from the base; with the joints' limits the tip reaches from "
         "{:.4g} to {:.4g} m",
-        task.line ? kInfo<TipLine>.name : kInfo<TipArc>.name, tip[0], tip[1], away, nearest, furthest);
+        path->name, tip[0], tip[1], away, nearest, furthest);
   }
   return std::nullopt;
 }
@@ -278,28 +287,29 @@ std::optional<std::string> beyond_reach(const Problem& problem) {
 
 std::optional<NoPath> no_path(const Problem& problem) {
   const Task& task = problem.task;
-  const auto number_of_curve = [&] { return task.line ? number_of(task, *task.line) : number_of(task, *task.arc); };
-  if (const auto sentence = beyond_reach(problem)) return NoPath{*sentence, {number_of_curve()}, 0};
+  const std::optional<TipPath> path = tip_path(task);
+  if (const auto sentence = beyond_reach(problem)) return NoPath{*sentence, {path->number}, 0};
   if (const auto sentence = barred_elbow(problem)) {
-    return NoPath{*sentence, {task.box ? number_of(task, *task.box) : number_of_curve()}, 0};
+    return NoPath{*sentence, {task.box ? number_of(task, *task.box) : path->number}, 0};
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
   if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return std::nullopt;
-  std::vector<Joints<double>> points{problem.start.q};
-  for (const Via& via : problem.via) points.push_back(via.q);
-  points.push_back(problem.goal.q);
+  const std::vector<Joints<double>> points = waypoints(problem);
+  const DetourFinder on_coarse_grid(problem);
+  std::optional<DetourFinder> on_fine_grid;  // seldom needed, and takes nine times as long to make
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
-    if (find_detours(problem, s, points[s], points[s + 1], 0).clearance > 0) continue;
-    const Detours fine = find_detours(problem, s, points[s], points[s + 1], 0, kFineGrid);
+    if (on_coarse_grid.find(s, points[s], points[s + 1], 0).clearance > 0) continue;
+    if (!on_fine_grid) on_fine_grid.emplace(problem, kFineGrid);
+    const Detours fine = on_fine_grid->find(s, points[s], points[s + 1], 0);
     if (fine.clearance > -doubt) continue;
     std::vector<std::string> names;
     for (const std::size_t number : fine.barred_by) names.push_back(constraint_name(task, number));
-    const std::string stretch = points.size() == 2 ? "from the start to the goal"
-                                                   : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
+    const std::string where = points.size() == 2 ? "from the start to the goal"
+                                                 : fmt::format("in segment {} of {}", s + 1, points.size() - 1);
     return NoPath{
-        fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more clearance would open one",
-                    stretch, fmt::join(names, ", "), -fine.clearance),
+        fmt::format("every path {} within the joints' limits is barred by {}; {:.2g} m more clearance would open one",
+                    where, fmt::join(names, ", "), -fine.clearance),
         fine.barred_by, -fine.clearance};
   }
   return std::nullopt;

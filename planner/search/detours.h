@@ -2,6 +2,7 @@
 // blocked. If there is no path, the reason is reported to the user.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,10 +29,26 @@ inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm an
 // [m] A line or an arc of the tip with at least this tolerance is a region that several paths may lead through.
 inline constexpr double kWideTipPath = 0.08;
 
-// Finds at most `most` paths between two postures within a segment of the motion. spacing: of the grid [rad]. Only
-// obstacles, walls, boxes and wide lines and arcs are considered, because other constraints are narrower than a cell.
-Detours find_detours(const Problem& problem, std::size_t segment, const Joints<double>& from, const Joints<double>& to,
-                     std::size_t most, double spacing = kCoarseGrid);
+class AngleGrid;
+
+// Finds paths on a grid over the link angles with the clearance of every cell, which is computed once for all pairs of
+// postures. Only obstacles, walls, boxes and wide lines and arcs are considered, because other constraints are narrower
+// than a cell.
+class DetourFinder {
+ public:
+  // spacing: of the grid [rad]. The problem must outlive this.
+  explicit DetourFinder(const Problem& problem, double spacing = kCoarseGrid);
+  DetourFinder(const DetourFinder&) = delete;
+  DetourFinder& operator=(const DetourFinder&) = delete;
+  ~DetourFinder();
+
+  // Finds at most `most` paths between two postures within a segment of the motion.
+  Detours find(std::size_t segment, const Joints<double>& from, const Joints<double>& to, std::size_t most) const;
+
+ private:
+  const Problem& problem_;
+  std::unique_ptr<const AngleGrid> grid_;
+};
 
 // Why there is no path within the limits of the joints.
 struct NoPath {

@@ -20,12 +20,12 @@ namespace {
 
 using SharedProblem = std::shared_ptr<const Problem>;
 
-double patience_in(const Session& session) {
-  return std::clamp(session.options().patience, 1.0, session.settings().stepwise.most_patience);
+double iteration_factor_in(const Session& session) {
+  return std::clamp(session.options().budget_factor, 1.0, session.settings().stepwise.most_patience);
 }
 
-std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int patience) {
-  if (session.interrupted() || c.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
+std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int iterations) {
+  if (session.interrupted() || c.begin(guess, iterations) != StartOutcome::kNew) return std::nullopt;
   return c;
 }
 
@@ -35,17 +35,19 @@ std::optional<Continuation> attempt(const SharedProblem& problem, Session& sessi
   return try_to_begin(std::move(c), session, guess, session.settings().fallbacks.iterations);
 }
 
-std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
+std::optional<Continuation> attempt_with_more_iterations(const SharedProblem& problem, Session& session,
+                                                         const Guess& guess) {
   const FallbackSettings& s = session.settings().fallbacks;
-  Continuation c(problem, session, "with patience", {.regularisation_factor = s.patient_regularisation});
+  Continuation c(problem, session, "more iterations", {.regularisation_factor = s.patient_regularisation});
   return try_to_begin(std::move(c), session, guess, s.patient_iterations);
 }
 
 // Solves on a new mesh from a smoothed solution, or from another problem's.
 std::optional<Continuation> sharpened(const SharedProblem& problem, Session& session, const std::string& label,
                                       const Collocated& from, double width_factor, double mesh_factor = 1) {
-  Continuation c(problem, session, label,
-                 {.mesh_factor = mesh_factor, .width_factor = width_factor, .patience = patience_in(session)});
+  Continuation c(
+      problem, session, label,
+      {.mesh_factor = mesh_factor, .width_factor = width_factor, .iteration_factor = iteration_factor_in(session)});
   return try_to_begin(std::move(c), session, guess_of(from), session.settings().stepwise.iterations);
 }
 
@@ -55,7 +57,7 @@ std::optional<Continuation> follow(const SharedProblem& problem, Session& sessio
                                    const Collocated& from, double width_factor) {
   const double duration = from.motion.duration();
   if (duration / static_cast<double>(from.setup.mesh.size()) <= session.settings().stepwise.longest_interval) {
-    Continuation c(problem, session, label, {.patience = patience_in(session)});
+    Continuation c(problem, session, label, {.iteration_factor = iteration_factor_in(session)});
     if (!session.interrupted() && c.adopt(from, duration)) return c;
   }
   return sharpened(problem, session, label, from, width_factor);
@@ -134,7 +136,7 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
   };
   const double easily = session.settings().swing_up.easily_carried * largest_of(factors);
   const auto easy = std::make_shared<const Problem>(eased(easily));
-  const std::string label = "limits that carry the arm";
+  const std::string label = "limits with which the arm can be moved slowly";
   const Guess straight = first_guesses(*easy, session.settings().starts).front();
   const Joints<double> begin = straight.state(0).q, end = straight.state(1).q;
   for (const double back : session.settings().swing_up.winding_up) {
@@ -188,7 +190,7 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
   Problem timed = with_slack(problem, torque, session.settings().slack);
   timed.duration = {duration, duration};
   const auto shared = std::make_shared<const Problem>(std::move(timed));
-  Continuation lifted(shared, session, "least torque to be lifted with",
+  Continuation lifted(shared, session, "least torque of a swing-up",
                       {.mesh_factor = session.settings().swing_up.mesh_factor, .width_factor = width_factor});
   return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
 }
@@ -234,7 +236,7 @@ std::optional<Continuation> fastest_from(const SharedProblem& problem, const Con
                                          Session& session) {
   Continuation swung(problem, session, "swung up, folded",
                      {.width_factor = session.settings().stepwise.sharpest_width_factor,
-                      .patience = std::max(session.settings().swing_up.patience, patience_in(session)),
+                      .iteration_factor = std::max(session.settings().swing_up.patience, iteration_factor_in(session)),
                       .strategy = swinging_strategy()});
   return try_to_begin(std::move(swung), session, guess_of(lifted.solution()), most_iterations);
 }
@@ -296,7 +298,7 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
   }
   SwungUp swung = swing_up_with(problem, longest, session, session.settings().stepwise.sharp_width_factor);
   if (!swung.motion && folded.reached) return folded;
-  if (!swung.motion || session.options().patience <= 1) return swung;
+  if (!swung.motion || session.options().budget_factor <= 1) return swung;
   const bool finished = swung.motion->follow_homotopy() == Completion::kFinished;
   if (finished && swung.motion->has_sharpest_friction()) return swung;
   SwungUp sharper = swing_up_with(problem, longest, session, session.settings().stepwise.sharpest_width_factor);
@@ -309,7 +311,7 @@ std::optional<Continuation> fall_back(const SharedProblem& problem, Session& ses
   const std::vector<Guess> guesses = first_guesses(*problem, session.settings().starts);
   for (std::size_t i = 0; i < std::min(s.patient_starts, guesses.size()) && !session.interrupted(); ++i) {
     ++tried.patience;
-    if (auto found = attempt_patiently(problem, session, guesses[i])) return found;
+    if (auto found = attempt_with_more_iterations(problem, session, guesses[i])) return found;
   }
   const std::pair<double, int*> meshes[] = {{s.coarser, &tried.coarser_mesh}, {s.finer, &tried.finer_mesh}};
   for (const auto& [factor, count] : meshes) {

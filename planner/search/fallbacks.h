@@ -17,7 +17,7 @@ bool can_be_carried(const Problem& problem);
 // Searches a motion that swings the arm up, if it cannot be carried. Limits are relaxed until they carry the arm, which
 // soon gives a motion. They are then tightened step by step, each solution starting the next, and the tighter they are,
 // the more the motion swings. If much torque is missing, the search first looks for the least torque of a motion that
-// folds link 2 on the way. Motions of more than `longest` [s] are not followed. With more than the usual patience, a
+// folds link 2 on the way. Motions of more than `longest` [s] are not followed. With more than the usual budget, a
 // motion that does not converge with the exact friction law is searched again from a sharper one.
 struct SwungUp {
   std::optional<Continuation> motion;  // at least as far as after Continuation::begin()

@@ -26,7 +26,7 @@ class FastestMotion {
         allowed_(allowed),
         found_(found),
         session_(session),
-        patience_(found.patience) {}
+        start_iterations_(found.start_iterations) {}
 
   // Returns a motion that takes no more than is allowed, or else the shortest one. The latter is certified if possible,
   // because its duration is reported to the user.
@@ -96,7 +96,8 @@ class FastestMotion {
     const SolverStage& first = c.stages().front();
     if (any_same(known_, first.objective, session_.settings().continuation.first.same_minimum)) return;
     known_.push_back(first.objective);
-    patience_ = std::min(patience_, std::max(session_.settings().follow.least_iterations, first.iterations));
+    start_iterations_ =
+        std::min(start_iterations_, std::max(session_.settings().follow.least_iterations, first.iterations));
     coarse_.push_back(std::move(c));
   }
 
@@ -107,7 +108,7 @@ class FastestMotion {
     std::vector<std::size_t> failed;
     const std::vector<PieceOfWork> pieces = session_.do_all(guesses.size(), [&](std::size_t i, Session& own) {
       Continuation c(fastest_, own, "fastest");
-      if (c.begin(guesses[i], patience_, known_) == StartOutcome::kNoSolution) return;
+      if (c.begin(guesses[i], start_iterations_, known_) == StartOutcome::kNoSolution) return;
       c.go_on_in(session_);
       begun[i] = std::move(c);
     });
@@ -147,7 +148,7 @@ class FastestMotion {
   double allowed_;                          // [s]
   Findings& found_;
   Session& session_;
-  int patience_;                      // iterations that a start may take
+  int start_iterations_;              // iterations that a start may take
   std::vector<double> known_;         // minima
   std::vector<std::size_t> failed_;   // numbers of starts that led nowhere
   std::vector<Continuation> coarse_;  // not refined
@@ -214,7 +215,7 @@ bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings
   const Guess guess = first_guesses(*fastest, settings.starts).front();
   const double mesh_factor = mesh_factor_of_sketch(*fastest, guess, settings.explanation.solves);
   Continuation sketch(fastest, session, "fastest", {.mesh_factor = mesh_factor});
-  const bool led_somewhere = sketch.begin(guess, found.patience) == StartOutcome::kNew;
+  const bool led_somewhere = sketch.begin(guess, found.start_iterations) == StartOutcome::kNew;
   const bool too_long = led_somewhere && sketch.duration() > alternative->duration.max;
   if (mesh_factor == 1) {  // otherwise the mesh is too coarse for a start
     FastestSketch& kept = found.sketches.emplace_back(FastestSketch{alternative, {}});

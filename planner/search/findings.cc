@@ -29,7 +29,7 @@ Findings::Findings(const Problem& request, const FollowSettings& settings)
     : asked(request),
       scale(size_of(request.weights)),
       alternatives(alternatives_of(request, scale)),
-      patience(settings.iterations) {}
+      start_iterations(settings.iterations) {}
 
 bool Findings::keep(const Continuation& c, PublishResult published) {
   if (!published.failure.empty()) failure = published.failure;

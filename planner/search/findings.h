@@ -41,7 +41,7 @@ struct FastestSketch {
 };
 
 // Limits with which the arm was found to swing up to one of the alternative goals.
-struct Carried {
+struct SwingUpLimits {
   std::shared_ptr<const Problem> alternative;
   Limits limits;
 };
@@ -57,7 +57,7 @@ struct Findings {
   int starts = 0;                          // that were solved
   int starts_planned = 0;                  // that are solved in any case
   int refined = 0;                         // candidates that were followed to the exact problem
-  int patience;                            // iterations a start may take
+  int start_iterations;                    // that a start may take
   std::vector<CoarseMotion> candidates;    // in the order in which they were found
   std::vector<Continuation> waiting;       // to be refined while the next starts are tried
   std::vector<double> minima;              // scaled objectives of the distinct minima on their first meshes
@@ -65,7 +65,7 @@ struct Findings {
   std::optional<Publication> best;         // the best certified one, or the last one if none is certified
   std::optional<Fastest> fastest;          // the shortest motion found, if it was looked for
   std::vector<FastestSketch> sketches;     // of fastest motions, at most one of each alternative
-  std::optional<Carried> carried;          // the least limits with which the arm was found to swing up
+  std::optional<SwingUpLimits> swing_up;   // the least limits with which the arm was found to swing up
   bool swing_was_cut = false;              // more work might have found motions with tighter limits
   std::optional<OutOfReach> out_of_reach;  // clearly infeasible, so that no more was tried
   bool a_start_was_infeasible = false;     // the optimiser found a start infeasible, not only slow to converge

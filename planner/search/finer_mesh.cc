@@ -56,7 +56,8 @@ Cuts raise_for_excesses(std::vector<double>& errors, const Problem& problem, con
   const double split = settings.error_when_splitting * demand.tolerance,
                quartered = std::pow(2, solution.setup.scheme.order + 2) * demand.tolerance;
   const double worth = demand.excess_worth_splitting;
-  const std::vector<PerLimit> excess = excesses(problem, solution.setup.mesh, solution.motion, kKeep, solution.slack);
+  const std::vector<PerLimit> excess =
+      excesses(problem, solution.setup.mesh, solution.motion, kCheckedBaseMargin, solution.slack);
   const PerLimit scales = limit_scales(problem);
   const OverPeak over_peak(problem, solution, demand, settings);
   Cuts steps(errors.size());

@@ -39,10 +39,10 @@ bool far_too_long(const Continuation& c, const Problem& asked, const FollowSetti
 // Solves a motion again with a penalty on accelerations, from this guess. Returns none if that fails.
 std::optional<Continuation> solved_with_penalty(const Continuation& coarse,
                                                 const std::shared_ptr<const Problem>& problem, const Guess& guess,
-                                                int patience, Session& session) {
+                                                int iterations, Session& session) {
   Continuation solved(problem, session, coarse.label() + ", with acceleration penalty");
   solved.start = coarse.start;
-  if (solved.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
+  if (solved.begin(guess, iterations) != StartOutcome::kNew) return std::nullopt;
   return solved;
 }
 
@@ -63,11 +63,11 @@ std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<do
 
 // Returns the start's guess. If that has a first end for a free joint (Guess::first_end), returns the motion solved
 // with this end fixed, if there is one.
-Guess with_first_end(const Start& start, int patience, Session& session) {
+Guess with_first_end(const Start& start, int iterations, Session& session) {
   if (!start.guess.first_end) return start.guess;
   Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given",
-                 {.by_own_method = start.by_own_method});
-  if (c.begin(start.guess, patience) != StartOutcome::kNew) return start.guess;
+                 {.by_interior_point = start.by_interior_point});
+  if (c.begin(start.guess, iterations) != StartOutcome::kNew) return start.guess;
   return guess_of(c.solution());
 }
 
@@ -80,7 +80,7 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
   bool all_solved = true;
   for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), s.acceleration_penalty)) {
     if (session.interrupted()) return;
-    auto c = solved_with_penalty(coarse, penalised, guess_of(coarse.solution()), found.patience, session);
+    auto c = solved_with_penalty(coarse, penalised, guess_of(coarse.solution()), found.start_iterations, session);
     all_solved = all_solved && c.has_value();
     if (!c && count_of_rows(penalised->task) == 0 && !session.interrupted()) {
       const Guess smooth = minimum_jerk_guess(*penalised, coarse.duration());
@@ -96,7 +96,7 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
 
 // Refines motions in a race. While nothing is certified, those that were dropped in the race are refined too.
 void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
-  if (coarse.empty()) return;  // entering the phase of refining would release its share of the work for nothing
+  if (coarse.empty()) return;  // entering the phase of refining would release its part of the work budget for nothing
   session.enter(Phase::kRefining);
   const auto is_long_and_fastest = [&](const Continuation& c) {
     return only_time(c.problem()->weights) && c.duration() >= session.settings().follow.long_motion;
@@ -149,7 +149,8 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found, const
   // time, so that results are reproducible. A start whose end was fixed at first does not tell how hard others are.
   if (!guess.first_end) {
     const FollowSettings& s = settings.follow;
-    found.patience = std::min(found.patience, std::max(s.least_iterations, s.slower * first.iterations));
+    found.start_iterations =
+        std::min(found.start_iterations, std::max(s.least_iterations, s.slower * first.iterations));
   }
   found.minima.push_back(objective);
   return TriedStart::kSomewhere;
@@ -202,16 +203,16 @@ void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Ses
   c.start = best->coarse.start;
   const Guess guess = count_of_rows(problem->task) == 0 ? minimum_jerk_guess(*problem, duration)
                                                         : guess_of(best->motion, best->durations);
-  if (c.begin(guess, found.patience) != StartOutcome::kNew || c.refine() == Completion::kStopped) return;
+  if (c.begin(guess, found.start_iterations) != StartOutcome::kNew || c.refine() == Completion::kStopped) return;
   PublishResult published = publish(c, found.asked, session);
   if (published.certified()) found.keep(c, std::move(published));
 }
 
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {
   std::vector<std::optional<Begun>> begun(starts.size());
-  const auto begin = [&, patience = found.patience](std::size_t i, Session& own) {
-    Continuation c(starts[i].alternative, own, starts[i].label, {.by_own_method = starts[i].by_own_method});
-    const StartOutcome outcome = c.begin(with_first_end(starts[i], patience, own), patience, found.minima);
+  const auto begin = [&, iterations = found.start_iterations](std::size_t i, Session& own) {
+    Continuation c(starts[i].alternative, own, starts[i].label, {.by_interior_point = starts[i].by_interior_point});
+    const StartOutcome outcome = c.begin(with_first_end(starts[i], iterations, own), iterations, found.minima);
     begun[i] = Begun{std::move(c), outcome};
   };
   const std::vector<PieceOfWork> pieces =

@@ -31,7 +31,7 @@ struct Start {
   std::shared_ptr<const Problem> alternative;
   Guess guess;
   std::string label;
-  bool by_own_method = false;  // see ContinuationOptions
+  bool by_interior_point = false;  // see ContinuationOptions
 };
 
 // Where a start led.

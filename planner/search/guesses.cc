@@ -77,15 +77,8 @@ double segment_time(const Problem& problem, const Joints<double>& from, const Jo
   return time;
 }
 
-std::vector<Joints<double>> points_of(const Problem& problem) {
-  std::vector<Joints<double>> points{problem.start.q};
-  for (const Via& via : problem.via) points.push_back(via.q);
-  points.push_back(problem.goal.q);
-  return points;
-}
-
 std::vector<double> segment_times(const Problem& problem) {
-  const auto points = points_of(problem);
+  const auto points = waypoints(problem);
   std::vector<double> times;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(segment_time(problem, points[i], points[i + 1]));
   return times;
@@ -131,7 +124,7 @@ std::vector<Joints<double>> passing_velocities(const Problem& problem, const std
 // settle within a few rounds.
 std::vector<double> passing_times(const Problem& problem) {
   constexpr int kRounds = 10;
-  const std::vector<Joints<double>> points = points_of(problem);
+  const std::vector<Joints<double>> points = waypoints(problem);
   const Joints<double> acceleration = rigid_acceleration(problem);
   std::vector<double> times = segment_times(problem);
   for (int round = 0; round < kRounds; ++round) {
@@ -166,7 +159,7 @@ std::vector<double> durations_of(const Problem& problem, double duration) {
 }
 
 std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
-  const auto points = points_of(problem);
+  const auto points = waypoints(problem);
   const double whole = std::accumulate(durations.begin(), durations.end(), 0.0);
   std::vector<Waypoint> result{{0, points.front()}};
   double time = 0;
@@ -178,17 +171,17 @@ std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double
 }
 
 // Where a motion is at a fraction of its duration.
-struct PlaceOnTheWay {
+struct SegmentPlace {
   std::size_t segment;
-  double share;   // of the duration, that the segment takes
-  double inside;  // fraction of the segment
+  double fraction;  // of the duration, that the segment takes
+  double inside;    // fraction of the segment
 };
 
-PlaceOnTheWay place_at(std::span<const Waypoint> points, double s) {
+SegmentPlace place_at(std::span<const Waypoint> points, double s) {
   std::size_t segment = 0;
   while (segment + 2 < points.size() && s >= points[segment + 1].fraction) ++segment;
-  const double share = points[segment + 1].fraction - points[segment].fraction;
-  return {segment, share, (s - points[segment].fraction) / share};
+  const double fraction = points[segment + 1].fraction - points[segment].fraction;
+  return {segment, fraction, (s - points[segment].fraction) / fraction};
 }
 
 Joints<double> between(const Joints<double>& a, const Joints<double>& b, double fraction) {
@@ -313,8 +306,8 @@ Guess along_flat_motion(const std::string& name, const Problem& problem, double 
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto flat = [points, duration, detour, robot = problem.robot](double s) {
-    const auto [segment, share, c] = place_at(points, s);
-    const double time = share * duration;
+    const auto [segment, fraction, c] = place_at(points, s);
+    const double time = fraction * duration;
     LinkMotion m = detour(segment, c);
     const Joints<double>&from = points[segment].q, &to = points[segment + 1].q;
     add_minimum_jerk({to[0] - from[0], to[1] - from[1]}, c, m);
@@ -337,7 +330,7 @@ Guess straight_guess(const Problem& problem, double duration) {
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
-    const auto [segment, share, inside] = place_at(points, s);
+    const auto [segment, fraction, inside] = place_at(points, s);
     Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j)
       q[j] = points[segment].q[j] + inside * (points[segment + 1].q[j] - points[segment].q[j]);
@@ -357,13 +350,13 @@ Guess passing_guess(const Problem& problem) {
   const double duration = std::clamp(usual, problem.duration.min, problem.duration.max);
   const std::vector<double> durations = apportioned(problem, duration, times);
   const auto points = waypoints(problem, durations);
-  const std::vector<Joints<double>> velocities = passing_velocities(problem, points_of(problem), durations);
+  const std::vector<Joints<double>> velocities = passing_velocities(problem, waypoints(problem), durations);
   const auto flat = [points, duration, velocities, robot = problem.robot](double s) {
-    const auto [segment, share, inside] = place_at(points, s);
+    const auto [segment, fraction, inside] = place_at(points, s);
     LinkMotion m;
     for (std::size_t j = 0; j < kJoints; ++j) {
       set_quintic(points[segment].q[j], velocities[segment][j], points[segment + 1].q[j], velocities[segment + 1][j],
-                  share * duration, inside, j, m);
+                  fraction * duration, inside, j, m);
     }
     return from_link_motion(robot, m);
   };
@@ -383,7 +376,7 @@ Guess path_guess(const Problem& problem, double duration, const std::vector<Path
     rounded.push_back(std::move(even));
   }
   const auto state = [points, rounded, robot = problem.robot](double s) {
-    const auto [segment, share, inside] = place_at(points, s);
+    const auto [segment, fraction, inside] = place_at(points, s);
     const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
     const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
     return rest_at(robot, between(rounded[segment][k], rounded[segment][k + 1], at - static_cast<double>(k)));
@@ -400,7 +393,8 @@ Guess smooth_path_guess(const Problem& problem, double duration, const std::vect
 
 std::vector<Path> paths_along_tip_path(const Problem& problem) {
   constexpr int kPieces = 24;
-  const auto points = points_of(problem);
+  const auto points = waypoints(problem);
+  const TipPath tip_path_of_task = tip_path(problem.task).value();
   std::vector<Path> paths;
   for (std::size_t segment = 0; segment + 1 < points.size(); ++segment) {
     const Point<double> begin = tip_position(problem.robot, points[segment]),
@@ -409,8 +403,7 @@ std::vector<Path> paths_along_tip_path(const Problem& problem) {
     Path path{points[segment]};
     for (int i = 1; i < kPieces; ++i) {
       const double s = static_cast<double>(i) / kPieces;
-      const Joints<double> tip =
-          problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
+      const Joints<double> tip = tip_path_of_task.along(from, to, s);
       const auto postures = inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits, path.back());
       if (!postures.empty()) path.push_back(postures.front());
     }
@@ -441,14 +434,15 @@ Guess folding_guess(const Problem& problem, double duration, double swing) {
   constexpr Joints<double> kFolded{0.85, 0.98};  // likewise
   const Joints<double> from = problem.start.q, to = problem.goal.q;
   const double way = to[0] - from[0];
-  const double room = std::copysign(problem.limits.link_position[1], way), middle = problem.robot.limits.link_middle[1];
+  const double range = std::copysign(problem.limits.link_position[1], way),
+               middle = problem.robot.limits.link_middle[1];
   const auto at = [&](const Joints<double>& fractions) {
-    return Joints<double>{from[0] + fractions[0] * way, middle + fractions[1] * room};
+    return Joints<double>{from[0] + fractions[0] * way, middle + fractions[1] * range};
   };
   const std::array<Waypoint, 4> points{
       {{0, from}, {kBackUntil * swing / duration, at(kBack)}, {swing / duration, at(kFolded)}, {1, to}}};
   const auto state = [points, robot = problem.robot](double s) {
-    const auto [segment, share, inside] = place_at(points, s);
+    const auto [segment, fraction, inside] = place_at(points, s);
     return rest_at(robot, between(points[segment].q, points[segment + 1].q, inside * inside * (3 - 2 * inside)));
   };
   return {"folding", {duration}, state, [](double) { return Joints<double>{0, 0}; }};
@@ -459,7 +453,7 @@ Guess staggered_guess(const Problem& problem, double duration, std::size_t first
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto state = [points, first_joint, robot = problem.robot](double s) {
-    const auto [segment, share, inside] = place_at(points, s);
+    const auto [segment, fraction, inside] = place_at(points, s);
     Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double from = j == first_joint ? 0 : 1 - kMoves, c = std::clamp((inside - from) / kMoves, 0.0, 1.0);
@@ -488,7 +482,7 @@ std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
   const auto durations = durations_of(problem, duration);
   const auto longest =
       static_cast<std::size_t>(std::max_element(durations.begin(), durations.end()) - durations.begin());
-  const auto points = points_of(problem);
+  const auto points = waypoints(problem);
   const Joints<double>&from = points[longest], &to = points[longest + 1];
   const double by_way_of_it = task::distance(from, *hanging) + task::distance(*hanging, to);
   if (by_way_of_it < kDetour * task::distance(from, to)) return std::nullopt;

@@ -24,7 +24,7 @@ namespace {
 // torque, which tightening lowers between the collocation points.
 bool compares_published(const Weights& weights) { return sees_friction(weights) && !has_peak(weights); }
 
-// Returns the most iterations of a step, without patience.
+// Returns the most iterations of a step, before the factor of the attempts.
 int iterations_of_step(const Problem& problem, bool with_rests_scaled, const HomotopySettings& settings) {
   if (with_rests_scaled) return settings.iterations_with_rests;
   if (has_reward(problem.weights)) return settings.iterations_with_reward;
@@ -41,7 +41,7 @@ bool solve_step(const std::string& what, const CollocationSetup& setup, Attempts
       scaled ? with_rests_scaled(attempts.problem(), attempts.solution(), width) : attempts.solution();
   SolveOptions o = strategy.loose_steps ? attempts.loose_options(what) : attempts.warm_options(what);
   const auto within = [&](double iterations) {
-    o.max_iterations = static_cast<int>(std::lround(attempts.patience() * iterations));
+    o.max_iterations = static_cast<int>(std::lround(attempts.iteration_factor() * iterations));
     const std::size_t before = attempts.stages().size();
     const bool solved = attempts.warm_from(from, what, setup, o);
     if (attempts.stages().size() > before && attempts.status() == SolveStatus::kIterationLimit) {
@@ -64,8 +64,9 @@ bool solve_in_halves(const Smoothing& step, int halvings, Attempts& attempts, co
   const Smoothing from = setup.smoothing;
   setup.smoothing = step;
   if (solve_step(what, setup, attempts, strategy)) return true;
-  // If the objective depends on friction, the steps are small already, and the last good solution will do. (With a
-  // smoothed law the peak of the torque says too little of the exact one.)
+  // If the objective depends on friction, the steps are small already: a step that fails is not halved, and the best
+  // solution so far is used. A peak of the torque is excepted, because with a smoothed law it differs too much from
+  // that with the exact one.
   if (attempts.stopped() || compares_published(problem.weights)) return false;
   if (halvings == 0) return attempts.anew(what, setup);
   const double sharpest = std::max(step.friction_width, s.homotopy.sharp_width);

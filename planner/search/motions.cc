@@ -60,8 +60,8 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   if (swung.motion) follow(std::move(*swung.motion), found, session);
   if (!swung.reached) return;
   found.swing_was_cut = session.interrupted();
-  if (found.carried && !less_relaxed(*swung.reached, found.carried->limits, found.asked.limits)) return;
-  found.carried = Carried{alternative, *swung.reached};
+  if (found.swing_up && !less_relaxed(*swung.reached, found.swing_up->limits, found.asked.limits)) return;
+  found.swing_up = SwingUpLimits{alternative, *swung.reached};
 }
 
 // If every alternative is out of reach, the search ends. The fastest motion is still tried where the duration may be

@@ -102,7 +102,7 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   }
   // Where a path or a limit is active nearly all the time, margins change the active set, and a warm start with the old
   // multipliers fails. Then the problem is solved from the motion alone.
-  Continuation afresh(problem, session, label + ", afresh", {.patience = session.settings().robust.patience});
+  Continuation afresh(problem, session, label + ", afresh", {.iteration_factor = session.settings().robust.patience});
   if (session.interrupted() || !afresh.adopt(from, from.motion.duration())) return std::nullopt;
   if (afresh.refine() == Completion::kStopped) return std::nullopt;
   return certified(afresh);

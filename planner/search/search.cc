@@ -42,7 +42,7 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
     if (over()) break;
     const double mesh_factor =
         exactness == Exactness::kKeepsLimits ? 1 : mesh_factor_of_sketch(*kept, guess, settings().solves);
-    Continuation c(kept, session_, "why not: " + what, {.mesh_factor = mesh_factor});
+    Continuation c(kept, session_, "explanation: " + what, {.mesh_factor = mesh_factor});
     const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,
                solved = sketched && refine(c, exactness);
     if (solved) return c;

@@ -27,7 +27,7 @@ struct SessionOptions {
   std::string linear_solver = "stage";
   double deadline = 0;              // [s] of wall time; 0: none
   double most_work = kNoLimit;      // [s] of work (SolveReport::work) in all phases but fallbacks and damping
-  double patience = 1;              // most_work as a multiple of the usual one
+  double budget_factor = 1;         // most_work as a multiple of the usual one
   int jobs = 1;                     // threads at most
   double objective_scale = 1;       // factor from an optimised objective to the requested one
   std::function<bool()> cancelled;  // polled between iterations; may be empty
@@ -80,7 +80,8 @@ class Session {
 
   // Does `count` independent pieces of work, as many at a time as threads are idle. Each has a session of its own,
   // which is stopped with this one and may do half of the work that this one still may; a single piece has this
-  // session. Their work is counted in the order of their indices, until what is allowed is used up.
+  // session. Their work is counted in the order of their indices, until what is allowed is used up. If pieces throw,
+  // the exception of one of them is thrown again when all have ended.
   std::vector<PieceOfWork> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
   // Does the same while this session works itself; its own work is counted first, and may take all that is left.

@@ -15,11 +15,11 @@ struct WithWait {
   bool is_enough = false;
 };
 
-// Where only torque is paid for, an arm with time to spare rests where friction holds it, and moves in a second or two.
-// With smoothed friction such a rest costs torque, all the more the longer it is. So the usual search is led to other
-// motions, which took up to seven times the effort (bench/README.md). Therefore a motion of a short time is
-// looked for, in which a rest hardly counts; then the wait is put in, and the motion is solved again with exact
-// friction.
+// If only torque is penalised and there is time to spare, the best motion takes a second or two, and for the rest of
+// the time the arm rests where friction holds it without torque. With smoothed friction a rest takes torque, and so
+// much over a long one that the usual search is led to other motions, of up to seven times the effort
+// (bench/README.md). Therefore a shorter motion is looked for, in which a rest hardly counts; then the wait is put in,
+// and the motion is solved again with exact friction.
 //
 // The arm waits at the start or at the goal if friction holds it there. Otherwise it pauses on the way, where friction
 // holds it (Pause). starts: their number, as for find_motions(). If the plan is enough, `found` tells what was

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "planner/problem/task/task.h"
+#include "planner/problem/tip_path.h"
 #include "planner/search/clear_guesses.h"
 #include "planner/search/detours.h"
 
@@ -26,16 +27,15 @@ void append(const Guesses& guesses, std::vector<Guess>& to) {
 // that is wide through its region too. Returns none if nothing asks for it.
 std::vector<std::vector<Path>> task_paths(const Problem& problem, std::size_t most_paths) {
   const Task& task = problem.task;
-  const double tolerance = task.line ? task.line->tolerance : task.arc ? task.arc->tolerance : 0;
-  if ((task.line || task.arc) && tolerance < kWideTipPath) return {paths_along_tip_path(problem)};
-  if (task.path || (!keeps_clear(task) && !task.box && tolerance == 0)) return {};
-  std::vector<Joints<double>> points{problem.start.q};
-  for (const Via& via : problem.via) points.push_back(via.q);
-  points.push_back(problem.goal.q);
+  const std::optional<TipPath> along_tip_path = tip_path(task);
+  if (along_tip_path && along_tip_path->tolerance < kWideTipPath) return {paths_along_tip_path(problem)};
+  if (task.path || (!keeps_clear(task) && !task.box && !along_tip_path)) return {};
+  const std::vector<Joints<double>> points = waypoints(problem);
   std::vector<std::vector<Path>> all(1);
+  const DetourFinder finder(problem);
   std::vector<std::vector<Path>> others;  // of one segment, with its index
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
-    Detours detours = find_detours(problem, s, points[s], points[s + 1], most_paths);
+    Detours detours = finder.find(s, points[s], points[s + 1], most_paths);
     if (detours.paths.empty()) detours.paths.push_back(detours.widest);
     all.front().push_back(detours.paths.front());
     others.emplace_back(detours.paths.begin() + 1, detours.paths.end());
@@ -46,7 +46,7 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem, std::size_t mo
       all.back()[s] = other;
     }
   }
-  if (tolerance > 0) all.push_back(paths_along_tip_path(problem));
+  if (along_tip_path) all.push_back(paths_along_tip_path(problem));
   return all;
 }
 
@@ -183,7 +183,7 @@ std::vector<Guess> resting_guesses(const Problem& problem, double duration, cons
 }
 
 // Returns whether obstacles leave a choice of the path. Along a given path there is nothing to choose.
-bool may_choose_path(const Task& task) { return keeps_clear(task) && !task.path && !task.line && !task.arc; }
+bool may_choose_path(const Task& task) { return keeps_clear(task) && !task.path && !tip_path(task); }
 
 // Minima round obstacles are many where friction weighs, and starts that keep clear of the obstacles find them.
 bool wants_clear_guesses(const Problem& problem) {

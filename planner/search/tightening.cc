@@ -37,7 +37,7 @@ void solve_to_the_end(Attempts& attempts) {
 
 // Returns the fraction of the base margin that a round keeps.
 double part_of_margin_kept(int round, const TighteningSettings& settings) {
-  return round < settings.rounds_of_whole_margin ? kKeep : settings.later_part_of_margin;
+  return round < settings.rounds_of_whole_margin ? kCheckedBaseMargin : settings.later_part_of_margin;
 }
 
 // Returns the least factor by which a round widens a margin that did not suffice.

@@ -37,7 +37,7 @@ class Companions {
   std::optional<MetricsServer> metrics_;
 };
 
-// The share of one service in these resources.
+// What one service uses of these resources.
 class Companion {
  public:
   Companion(std::shared_ptr<Companions> all, std::size_t which) : all_(std::move(all)), which_(which) {}

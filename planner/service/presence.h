@@ -17,7 +17,7 @@ namespace fjr {
 inline constexpr double kLeastStartWithin = 0.5;
 
 inline Refusal client_gone() {
-  return {Reason::kClientGone, "", "its client was not there for longer than it may start within; send it again"};
+  return {Reason::kClientGone, "", "its client gave no sign of life for longer than start_within; send it again"};
 }
 
 class Presence {
@@ -43,7 +43,7 @@ class Presence {
 
   // Returns whether the client was heard recently enough for the request to start the arm now.
   bool may_start(const Order& order, Clock::time_point now) const {
-    return now - last_heard(order.id) <= patience(order);
+    return now - last_heard(order.id) <= allowed_silence(order);
   }
 
   // Returns whether the client was asked, has had time to answer, and was not heard for too long. A client that was
@@ -52,8 +52,8 @@ class Presence {
   bool gone(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
     if (found == clients_.end() || !found->second.asked) return false;
-    const auto to_answer = std::clamp<Clock::duration>(patience(order) - asks_after(order), kToAnswer, kToPlan);
-    return now - *found->second.asked > to_answer && now - found->second.heard > patience(order);
+    const auto to_answer = std::clamp<Clock::duration>(allowed_silence(order) - asks_after(order), kToAnswer, kToPlan);
+    return now - *found->second.asked > to_answer && now - found->second.heard > allowed_silence(order);
   }
 
   template <class Wanted>
@@ -71,8 +71,8 @@ class Presence {
     std::optional<Clock::time_point> asked;  // without an answer since
   };
 
-  static Clock::duration asks_after(const Order& order) { return patience(order) / 4; }
-  static Clock::duration patience(const Order& order) {
+  static Clock::duration asks_after(const Order& order) { return allowed_silence(order) / 4; }
+  static Clock::duration allowed_silence(const Order& order) {
     if (!executes(order)) return kToPlan;
     if (order.start_within <= 0) return kToStart;
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(order.start_within));

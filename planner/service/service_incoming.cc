@@ -129,7 +129,7 @@ std::optional<Refusal> Service::resolve_start(Request& request) const {
   const auto refused = [](const std::string& why) {
     return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
   };
-  if (motion_pending()) return refused("an earlier request is still to move the arm");
+  if (motion_pending()) return refused("an earlier request has not moved the arm yet");
   const auto rest = executor_.rest();
   if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
   request.start.emplace().q = std::get<Joints<double>>(rest);

@@ -43,7 +43,7 @@ void Service::repeat_motion(const Order& order, Clock::time_point arrived) {
     return reject(order, {Reason::kUnsupported, "action",
                           "repetitions are found by the service's own workers, and this one has none"});
   }
-  if (motion_pending()) return not_at_rest("an earlier request is still to move the arm");
+  if (motion_pending()) return not_at_rest("an earlier request has not moved the arm yet");
   const auto rest = executor_.rest();
   if (const auto* why = std::get_if<std::string>(&rest)) return not_at_rest(*why);
   Job job;

@@ -13,7 +13,8 @@
 namespace fjr {
 
 inline constexpr std::size_t kMaxRows = 32768;
-inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two samples of a torque jump
+inline constexpr double kLongestSpacing = 5e-3;  // [s] between two samples
+inline constexpr double kJumpSpacing = 1e-6;     // [s] between the two samples of a torque jump
 // The "status" of rows that were corrected by executed motions, where those of a plan have its status.
 inline constexpr const char* kLearntStatus = "learnt";
 

@@ -302,7 +302,7 @@ Mesh with_node_later(Mesh mesh, std::size_t k, double share) {
   return mesh;
 }
 
-TEST(NodeTimesOf, TheHamiltonianJumpsByWhatTheTimeOfTheNodeIsWorth) {
+TEST(NodeTimesOf, TheHamiltonianJumpsByTheDerivativeByTheNodeTime) {
   const Problem problem = request(kLetDown);
   const CollocationSetup setup{hermite_simpson(), mesh_of(problem, 60), {0.1}};
   const Collocated c = solved(problem, setup);

@@ -349,7 +349,7 @@ TEST_F(Earlier, APlanFileThatIsNotWholeIsNot) {
   }
 }
 
-TEST_F(Earlier, OnlyAFinalWordIs) {
+TEST_F(Earlier, DeadlineAndCancelledAreNotFinal) {
   for (const char* status : {"infeasible", "not_converged", "uncertified", "bad_input"}) {
     plan_["status"] = status;
     EXPECT_TRUE(finished()) << status;

@@ -111,7 +111,7 @@ TEST(ClearGuesses, MostlyLeadToMotions) {
   session.enter(Phase::kFinding);
   int tried = 0, led_somewhere = 0;
   for (std::size_t i = starts.by_ipopt; i < starts.guided; ++i, ++tried) {
-    Continuation c(problem, session, "start", {.by_own_method = true});
+    Continuation c(problem, session, "start", {.by_interior_point = true});
     if (c.begin(starts.guesses[i], 200) != StartOutcome::kNoSolution) ++led_somewhere;
   }
   EXPECT_GE(tried, 6);

@@ -118,7 +118,7 @@ Plan let_down(double duration) {
 
 // Both motors park on the way. On meshes whose nodes do not move, each duration has an objective of its own, up to 1.1
 // % off the others', and tells slopes from 0.10 to 0.82.
-TEST(EffortPlan, TheWorthOfTheDurationIsTheSlopeOfTheObjective) {
+TEST(EffortPlan, ShadowPriceOfTheDurationIsTheSlopeOfTheObjective) {
   constexpr double kStep = 0.02;  // [s]
   std::vector<Plan> plans;
   for (int i = -2; i <= 2; ++i) {

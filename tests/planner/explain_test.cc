@@ -120,7 +120,7 @@ TEST(Explain, CarryingTakesTheGravityOfTheWorstPosture) {
 
 // Too heavy for joint 1 on every slow way, and swung up only by more than the search found within a fifth of the usual
 // work: a motion with all limits relaxed exceeds the torque of joint 2 by more, but with joint 1's it could be carried.
-TEST(Explain, WhatCannotBeCarriedIsInTheWayOfASwingThatWasNotFound) {
+TEST(Explain, NamesTheTorqueLimitWhereNoSwingUpIsFound) {
   const Problem problem = request("{start: {q: [0, 0]}, goal: {q: [2.2, 0]}, limits: {torque: [5.5, 5]}}");
   PlanOptions options;
   options.most_work /= 5;
@@ -128,7 +128,7 @@ TEST(Explain, WhatCannotBeCarriedIsInTheWayOfASwingThatWasNotFound) {
   ASSERT_TRUE(result.infeasibility);
   EXPECT_EQ(result.infeasibility->limit, "torque") << result.infeasibility->sentence;
   EXPECT_EQ(result.infeasibility->joint, 1) << result.infeasibility->sentence;
-  EXPECT_THAT(result.infeasibility->sentence, HasSubstr("held still on the straight way"));
+  EXPECT_THAT(result.infeasibility->sentence, HasSubstr("holding the arm still on the straight path"));
 }
 
 // The rows of an obstacle that is relaxed and those of the smaller one say the same about every posture.
@@ -276,7 +276,7 @@ TEST(Explain, ADiscThatBarsEveryWay) {
       "{start: {q: [-0.9, 0.0]}, goal: {q: [0.9, 0.0]}, limits: {link_position: [1.2, 2.5]}, obstacles: [{center: "
       "[0.089, -0.444], radius: 0.104}, {center: [-0.246, -0.632], radius: 0.116}]}");
   const Infeasibility why = impossible(problem);
-  EXPECT_THAT(why.sentence, HasSubstr("every way from the start to the goal"));
+  EXPECT_THAT(why.sentence, HasSubstr("every path from the start to the goal"));
   expect_enough(problem, why, "obstacles[0]", 0);
 }
 

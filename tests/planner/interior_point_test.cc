@@ -444,7 +444,7 @@ TEST(InteriorPoint, GivesUpOnTheInfeasibleAndLeavesItToIpopt) {
   EXPECT_EQ(ours.status, SolveStatus::kFailed);
   EXPECT_LT(ours.iterations, options.max_iterations);
   EXPECT_GT(ours.violation, 1e-3);
-  options.optimiser = Optimiser::kOwn;
+  options.optimiser = Optimiser::kInteriorPoint;
   const SolveReport both = solve(nlp, zeros(nlp, 1), options);
   EXPECT_EQ(both.status, SolveStatus::kInfeasible);
   EXPECT_TRUE(both.fell_back);
@@ -455,7 +455,7 @@ TEST(InteriorPoint, GivesUpOnTheInfeasibleAndLeavesItToIpopt) {
 TEST(InteriorPoint, StopsWhenTheMonitorSaysSo) {
   const Plant nlp = fastest(hermite_simpson(), 10, 0.1, 10);
   SolveOptions options;
-  options.optimiser = Optimiser::kOwn;
+  options.optimiser = Optimiser::kInteriorPoint;
   std::vector<int> seen;
   options.monitor = [&seen](const IterationInfo& info) {
     seen.push_back(info.iteration);

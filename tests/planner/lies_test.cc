@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(, Lies, testing::ValuesIn(lies()), [](const auto& lie) 
   return name;
 });
 
-TEST(Honesty, TheMotionIsExactAndNeedsNeitherStretchesNorDither) {
+TEST(ExactMotion, NeedsNeitherStretchesNorDither) {
   EXPECT_TRUE(PlannedDither(robot(), honest()).steps().empty());
   EXPECT_TRUE(stretches_of_amplification(robot(), honest()).empty());
   // Two models, two integrators; 6e-10 rad are between rows, where a motion is no cubic.
@@ -172,7 +172,7 @@ TEST(Certificate, AMotorThatMovesOtherwiseThanItSaysIsNotCertified) {
 }
 
 // In open loop one nanoradian decides, from either side.
-TEST_P(Lies, OfANanoradianAreNeverProven) {
+TEST_P(Lies, OneNanoradianBeyondTheLimitAreNeverProven) {
   const double count = exactness_tolerance(robot());
   const auto error = [](const Told& told) { return static_cast<double>(told.errors(false).link); };
   const Told wrong(GetParam(), size_for(GetParam(), error, count + kMiss)),
@@ -183,7 +183,7 @@ TEST_P(Lies, OfANanoradianAreNeverProven) {
 }
 
 // In closed loop the feedback that it takes decides, or what is left of the errors.
-TEST_P(Lies, ThatFeedbackHasToMendAreNotProven) {
+TEST_P(Lies, ThatTakeMoreFeedbackThanAllowedAreNotProven) {
   const double count = exactness_tolerance(robot()), velocity = rollout_velocity_tolerance(robot());
   const Joints<double> motor = rollout_motor_velocity_tolerance(robot()), feedback = feedback_limit(robot());
   // As a fraction of what is allowed, in the size of a count.

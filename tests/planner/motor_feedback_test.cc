@@ -173,7 +173,7 @@ TEST(Dither, OfAPlanIsThatOfItsTicks) {
   EXPECT_TRUE(std::is_sorted(planned.steps().begin(), planned.steps().end()));
 }
 
-TEST(Feedback, KnowsNothingWithinACountAndTheLinkTellsWithinTheMotors) {
+TEST(Feedback, IsZeroWithinACountOfTheMotorWhereTheLinkEncoderActs) {
   const Parameters& p = robot();
   const double motor = count_angle(p.encoder.motor_counts[1]), link = count_angle(p.encoder.link_counts[1]);
   EXPECT_EQ(feedback_at(0.49, 0.49), 0);

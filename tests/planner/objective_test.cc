@@ -125,7 +125,7 @@ TEST(Objective, PeakTorqueIsNoHigherThanThatOfOtherMotionsInTheSameTime) {
 }
 
 // The start is no stage of radau3, so that nothing but the first interval's bounds keeps its variables.
-TEST(Objective, PeakTorqueIsPlannedWithoutAStageAtTheStart) {
+TEST(Objective, PeakTorqueIsPlannedBySchemesWithoutAPointAtTheStart) {
   std::vector<double> objectives;
   for (const char* method : {"lobatto4", "radau3"}) {
     const Problem problem =

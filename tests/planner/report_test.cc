@@ -195,7 +195,7 @@ TEST(PlanPage, TextsCannotBreakThePage) {
   EXPECT_THAT(html, HasSubstr("&lt;img src=x"));
 }
 
-TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
+TEST(PlanPage, ShowsTheSceneAndItsClearance) {
   PlanRecord record = reach();
   record.plan["certificate"]["task"] = {
       {{"name", "obstacles[0]"}, {"link", 2}, {"room", -0.0125}, {"unit", "m"}, {"time", 0.1}, {"passed", false}}};

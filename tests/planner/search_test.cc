@@ -123,7 +123,7 @@ TEST(EarliestTime, IsNoLaterThanThatOfAKnownMotion) {
 // must not be said of the new ones. Where that happens depends on the optimiser, so there are several motions.
 class StoppedOnTheWay : public testing::TestWithParam<std::tuple<double, double>> {};
 
-TEST_P(StoppedOnTheWay, APublicationEndsInOrder) {
+TEST_P(StoppedOnTheWay, APublicationKeepsErrorsAndMeshConsistent) {
   const auto [tip_speed, looser_by] = GetParam();
   const Problem asked =
       request(fmt::format("{{start: {{q: [0, 0]}}, goal: {{q: [0.6, -0.4]}}, limits: {{tip_speed: {}}}}}", tip_speed));
@@ -169,7 +169,7 @@ TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
     for (const TaskRow& row : rows) least = std::min(least, row.clearance(row.value(problem.robot, at)));
     return least;
   };
-  for (const Joints<double>& point : points_along(arc)) {
+  for (const Joints<double>& point : points_along(*tip_path(task))) {
     EXPECT_GE(room(std::atan2(point[1] - arc.center[1], point[0] - arc.center[0])), 0);
   }
   for (const double gap : {0.1, 0.4, 0.8, 1.2, 1.47}) EXPECT_LT(room(gap), 0) << gap;
@@ -192,12 +192,12 @@ double clearance_at(const Problem& problem, const Joints<double>& q) {
   return least;
 }
 
-TEST(WideArc, IsARegionThatWaysAreFoundThrough) {
+TEST(WideArc, IsSearchedForPathsAsARegion) {
   const Problem problem = request(kWideArc);
   EXPECT_GE(clearance_at(problem, problem.goal.q), 0) << "of the joint that may end anywhere";
   const std::vector<Joints<double>> points{problem.start.q, problem.via[0].q, problem.goal.q};
   for (std::size_t s = 0; s < 2; ++s) {
-    const Detours detours = find_detours(problem, s, points[s], points[s + 1], 1);
+    const Detours detours = DetourFinder(problem).find(s, points[s], points[s + 1], 1);
     ASSERT_FALSE(detours.paths.empty());
     for (const Joints<double>& q : detours.paths[0]) EXPECT_GE(clearance_at(problem, q), 0) << q[0] << ' ' << q[1];
   }

@@ -470,14 +470,14 @@ TEST(Start, ThatRunsOutOfIterationsSaysSo) {
   session.enter(Phase::kFinding);
   Findings found(problem);
   const Start start{found.alternatives.front(), first_guesses(problem, {}).front(), "start"};
-  found.patience = 3;  // of 60 or more that it takes
+  found.start_iterations = 3;  // of 60 or more that it takes
   EXPECT_EQ(try_starts({start}, found, session).front(), TriedStart::kOutOfIterations);
-  found.patience = 400;
+  found.start_iterations = 400;
   EXPECT_EQ(try_starts({start}, found, session).front(), TriedStart::kSomewhere);
 }
 
 // A few iterations before its end its objective is nearly what it comes to, and its constraints nearly hold.
-TEST(Start, ThatRunsOutAheadOfAllOthersGoesOn) {
+TEST(Start, AtItsIterationLimitGoesOnIfItsObjectiveIsTheLowest) {
   const Problem problem = request(kMove + "duration: 0.8\nobjective: {effort: 1}\n");
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);

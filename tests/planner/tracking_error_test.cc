@@ -208,9 +208,9 @@ Plan planned(const Trade& trade, double weight) {
               options);
 }
 
-class Traded : public testing::TestWithParam<Trade> {};
+class TrackingObjective : public testing::TestWithParam<Trade> {};
 
-TEST_P(Traded, ForInsensitivityWhereThatIsCheaper) {
+TEST_P(TrackingObjective, LowersTheExpectedErrorAndTheWeightedSum) {
   const Trade& trade = GetParam();
   const Plan without = planned(trade, 0), with = planned(trade, trade.weight);
   ASSERT_EQ(with.status, PlanStatus::kCertified) << with.reason;
@@ -226,7 +226,7 @@ TEST_P(Traded, ForInsensitivityWhereThatIsCheaper) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Motions, Traded,
+    Motions, TrackingObjective,
     testing::Values(
         Trade{"reach", kReach, "time: 1", 3e4, 0.75}, Trade{"step", kStep, "time: 1", 3e4, 0.4},
         Trade{"swing", "start: {q: [-0.4, 0.2]}\ngoal: {q: [0.2, -0.4]}\n", "time: 1", 1e4, 0.45},
@@ -239,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // What is paid more for is less: at optima of the same valley P falls with its weight, and what it is traded for rises.
 // Measured: to 0.59 of it with the first of these weights, and to 0.60 of that with the second.
-TEST(Traded, MoreForMore) {
+TEST(TrackingObjective, ErrorFallsAsItsWeightGrows) {
   const Trade trade{"step", kStep, "time: 1", 0, 1};
   const Parameters p = uncertain(robot(), 0.02);
   double before = expected_tracking_error(p, *planned(trade, 0).trajectory, *p.uncertainty), time = 0;

@@ -218,7 +218,7 @@ TEST(Robustness, WhatIsStoppedIsNotEvaluated) {
 
 // Arms that nobody had seen when the tubes were made; half of their width holds far fewer (measured: all, and 46 of
 // 200).
-TEST(Robustness, TubesHoldTheShareOfArmsThatIsStatedAtAllTimes) {
+TEST(Robustness, TubesHoldTheStatedFractionOfArmsAtAllTimes) {
   constexpr double kConfidence = 0.9;
   constexpr int kArms = 200;
   const Parameters p = uncertain(robot(), 0.01);

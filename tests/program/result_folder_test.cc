@@ -77,7 +77,7 @@ class ResultFolder : public testing::Test {
 
 TEST_F(ResultFolder, WhatIsReplacedByAFailureIsKept) {
   EXPECT_FALSE(replace(out_, "a", "certified"));
-  EXPECT_EQ(worth_of(out_), Worth::kPlan);
+  EXPECT_EQ(value_of_results(out_), ResultValue::kPlan);
   EXPECT_TRUE(replace(out_, "b", "deadline"));
   EXPECT_EQ(owner_of(out_), "b");
   EXPECT_EQ(owner_of(out_ / kPrevious), "a");

@@ -210,8 +210,23 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   }
   if (!tableau.solve_for_basis(preference, bounding)) return false;
 
-  // List the basic columns and, in this order, what is left: fully summed columns, rows without a basic variable, and
-  // the other columns.
+  list_columns(front, last, work);
+  work.negative += static_cast<int>(work.basic.size());
+  copy_basic_rows(front, work);
+  // The reduced Hessian H_NN - H_NB Z - Z' H_BN + Z' H_BB Z is H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
+  const int count = static_cast<int>(work.list.size()), basics = static_cast<int>(work.basic.size());
+  const int others = work.x.width();
+  add_product(-0.5, front.curvature.data(), width, work.basic, work.z.data(), others, work.u.data());
+  transposed_product(work.u.data(), count, work.z.data(), basics, others, work.x.data());
+  set_rest(front, work);
+  return true;
+}
+
+// Lists the basic columns and, in this order, what is left: fully summed columns, rows without a basic variable, and
+// the other columns.
+void ChainLdlt::list_columns(Front& front, bool last, Branch& work) {
+  const Tableau& tableau = front.tableau;
+  const int columns = tableau.columns(), fixed = static_cast<int>(front.columns.size());
   work.basic.clear();
   work.list.clear();
   front.basic_rows.clear();
@@ -231,18 +246,21 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   for (int j = front.summed; j < fixed; ++j) {
     if (tableau.row_of(j) < 0) work.list.push_back(j);
   }
-  const int basics = static_cast<int>(work.basic.size()), count = static_cast<int>(work.list.size());
-  front.rest_summed = last ? count : leaving;
-  work.negative += basics;
+  front.rest_summed = last ? static_cast<int>(work.list.size()) : leaving;
+}
 
-  // Copy the rows of H that belong to basic variables (H_BB, H_BN) and Z = B^-1 N.
+// Copies the rows of H that belong to basic variables (H_BB, H_BN) and Z = B^-1 N.
+void ChainLdlt::copy_basic_rows(Front& front, Branch& work) {
+  const Tableau& tableau = front.tableau;
+  const int columns = tableau.columns(), width = tableau.width();
+  const int basics = static_cast<int>(work.basic.size()), count = static_cast<int>(work.list.size());
   front.curvature.resize(basics, columns);
   work.u.resize(basics, count);
   work.z.resize(basics, count);
   work.x.resize(count, count);
   const int others = work.x.width();
   for (int b = 0; b < basics; ++b) {
-    const double* h = s + work.basic[index(b)] * width;
+    const double* h = work.symmetric.data() + work.basic[index(b)] * width;
     const double* a = tableau.row(front.basic_rows[index(b)]);
     std::copy_n(h, width, front.curvature.row(b));
     double *u = work.u.row(b), *z = work.z.row(b);
@@ -254,9 +272,13 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
     std::fill(u + count, u + others, 0.0);
     std::fill(z + count, z + others, 0.0);
   }
-  // The reduced Hessian H_NN - H_NB Z - Z' H_BN + Z' H_BB Z is H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
-  add_product(-0.5, front.curvature.data(), width, work.basic, work.z.data(), others, work.u.data());
-  transposed_product(work.u.data(), count, work.z.data(), basics, others, work.x.data());
+}
+
+// Sets the dense matrix of what is left: the reduced Hessian, and the rows without a basic variable.
+void ChainLdlt::set_rest(Front& front, Branch& work) {
+  const Tableau& tableau = front.tableau;
+  const int columns = tableau.columns(), width = tableau.width(), count = static_cast<int>(work.list.size());
+  const double* s = work.symmetric.data();
   front.rest.reset(work.list);
   for (int i = 0; i < count; ++i) {
     const int p = work.list[index(i)];
@@ -271,7 +293,6 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
       front.rest.row(i)[j] = front.rest.row(j)[i] = value;
     }
   }
-  return true;
 }
 
 void ChainLdlt::count_work(const Front& front, Branch& work) {

@@ -59,7 +59,9 @@ class ChainLdlt {
   // lower bound if it exceeds most_negative.
   int negative_eigenvalues() const { return negative_; }
 
-  void solve(std::span<double> right_hand_side, const DoBoth& both = one_after_the_other) const;  // in place
+  // Replaces the right-hand side, one number for each row of the matrix, by the solution. Only after a factorise() that
+  // returned kDone.
+  void solve(std::span<double> right_hand_side, const DoBoth& both = one_after_the_other) const;
 
   // Return the number of multiplications of the last factorisation, and of one solve() with it. They are accurate to
   // about a third and reproducible. Delayed pivots can make them several times larger than the pattern suggests.
@@ -153,6 +155,9 @@ class ChainLdlt {
   void add_leaves(const Front& front, int first_leaf_column, Branch& work) const;
   void add_rests(Front& front, Branch& work) const;
   static bool reduce(Front& front, bool last, Branch& work);
+  static void list_columns(Front& front, bool last, Branch& work);
+  static void copy_basic_rows(Front& front, Branch& work);
+  static void set_rest(Front& front, Branch& work);
   static void count_work(const Front& front, Branch& work);
   static double& column_value(const Front& front, std::span<double> b, int j);
   static double& row_value(const Front& front, std::span<double> b, int r);

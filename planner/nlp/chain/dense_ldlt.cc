@@ -118,23 +118,72 @@ void DenseLdlt::exchange(int p, int q) {
   std::swap(weights_.row(0)[p], weights_.row(0)[q]);
 }
 
+double DenseLdlt::scaled(int i, int j) const { return row(i)[j] * weights_.row(0)[i] * weights_.row(0)[j]; }
+
+// Returns whether row c alone is a stable pivot.
+bool DenseLdlt::is_stable(int c, double wanted) {
+  return std::fabs(row(c)[c]) > kZero && std::fabs(scaled(c, c)) >= wanted * largest(c, c, c);
+}
+
+// Returns whether rows c and r together are a stable pivot. The entries of the inverse pivot times the remaining
+// entries are bounded row by row (the test of Duff & Reid).
+bool DenseLdlt::is_stable(int c, int r, double wanted) {
+  const double x = scaled(c, c), y = scaled(c, r), z = scaled(r, r), determinant = x * z - y * y;
+  const double off_c = largest(c, c, r), off_r = largest(r, c, r);
+  const double growth =
+      std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
+  return std::fabs(determinant) > kZero && growth * wanted <= std::fabs(determinant);
+}
+
+// Returns the candidate from row `first` on with the largest scaled entry in row c; -1 if all are zero.
+int DenseLdlt::partner_of(int c, int first, int candidates) const {
+  int r = -1;
+  double most = 0;
+  for (int j = first; j < candidates; ++j) {
+    if (j == c || std::fabs(scaled(c, j)) <= most) continue;
+    most = std::fabs(scaled(c, j));
+    r = j;
+  }
+  return r;
+}
+
+// Eliminates row c as pivot p. Returns the number of its negative eigenvalues.
+int DenseLdlt::eliminate_one(int p, int c) {
+  exchange(p, c);
+  const double d = row(p)[p];
+  d_[static_cast<std::size_t>(p)] = d;
+  subtract_one(matrix_.data(), order(), matrix_.width(), p, d);
+  weights_.row(0)[p] = 0;
+  return d < 0;
+}
+
+// Eliminates rows c and r as pivots p and p + 1. Returns the number of their negative eigenvalues.
+int DenseLdlt::eliminate_two(int p, int c, int r) {
+  exchange(p, c);
+  exchange(p + 1, r == p ? c : r);
+  const double d0 = row(p)[p], e0 = row(p)[p + 1], d1 = row(p + 1)[p + 1], determinant = d0 * d1 - e0 * e0;
+  d_[static_cast<std::size_t>(p)] = d0;
+  d_[static_cast<std::size_t>(p) + 1] = d1;
+  e_[static_cast<std::size_t>(p)] = e0;
+  subtract_two(matrix_.data(), order(), matrix_.width(), p, d0, e0, d1);
+  weights_.row(0)[p] = weights_.row(0)[p + 1] = 0;
+  return determinant < 0 ? 1 : (d0 < 0 ? 2 : 0);
+}
+
 int DenseLdlt::eliminate(int candidates, double threshold) {
-  const int n = order();
   // The scaled matrix is tried last, because a delayed row often finds a better pivot in a later block.
   const struct {
     double wanted;
     bool scaled;
   } judgements[] = {{kComfortable, false}, {threshold, false}, {kComfortable, true}, {threshold, true}};
   const auto* judgement = std::begin(judgements);
-  const double* scale = weights_.row(0);
   int negative = 0, p = 0, candidate = 0;
-  const auto next_pivot = [&](int size) {
-    for (int i = 0; i < size; ++i) weights_.row(0)[p++] = 0;
+  const auto begin_again_at = [&](int next) {
+    p = next;
     candidate = 0;
     if (judgement->scaled) judge_as_is(p);
     judgement = std::begin(judgements);
   };
-  const auto entry = [&](int i, int j) { return row(i)[j] * scale[i] * scale[j]; };
   while (p < candidates) {
     if (p + candidate >= candidates) {  // no candidate passes this test
       if (++judgement == std::end(judgements)) break;
@@ -143,41 +192,16 @@ int DenseLdlt::eliminate(int candidates, double threshold) {
       candidate = 0;
     }
     const int c = p + candidate;
-    if (std::fabs(row(c)[c]) > kZero && std::fabs(entry(c, c)) >= judgement->wanted * largest(c, c, c)) {  // 1 x 1
-      exchange(p, c);
-      const double d = row(p)[p];
-      d_[static_cast<std::size_t>(p)] = d;
-      negative += d < 0;
-      subtract_one(matrix_.data(), n, matrix_.width(), p, d);
-      next_pivot(1);
+    if (is_stable(c, judgement->wanted)) {
+      negative += eliminate_one(p, c);
+      begin_again_at(p + 1);
       continue;
     }
-    // Try a 2 x 2 pivot with the candidate that has the largest entry in this row.
-    int r = -1;
-    double y = 0;
-    for (int j = p; j < candidates; ++j) {
-      if (j == c || std::fabs(entry(c, j)) <= std::fabs(y)) continue;
-      y = entry(c, j);
-      r = j;
-    }
-    if (r >= 0) {
-      const double x = entry(c, c), z = entry(r, r), determinant = x * z - y * y;
-      const double off_c = largest(c, c, r), off_r = largest(r, c, r);
-      // Bound the entries of the inverse pivot times the remaining entries, row by row (the test of Duff & Reid).
-      const double growth =
-          std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
-      if (std::fabs(determinant) > kZero && growth * judgement->wanted <= std::fabs(determinant)) {
-        exchange(p, c);
-        exchange(p + 1, r == p ? c : r);
-        const double d0 = row(p)[p], e0 = row(p)[p + 1], d1 = row(p + 1)[p + 1], det = d0 * d1 - e0 * e0;
-        d_[static_cast<std::size_t>(p)] = d0;
-        d_[static_cast<std::size_t>(p) + 1] = d1;
-        e_[static_cast<std::size_t>(p)] = e0;
-        negative += det < 0 ? 1 : (d0 < 0 ? 2 : 0);
-        subtract_two(matrix_.data(), n, matrix_.width(), p, d0, e0, d1);
-        next_pivot(2);
-        continue;
-      }
+    const int r = partner_of(c, p, candidates);
+    if (r >= 0 && is_stable(c, r, judgement->wanted)) {
+      negative += eliminate_two(p, c, r);
+      begin_again_at(p + 2);
+      continue;
     }
     ++candidate;
   }

@@ -37,6 +37,12 @@ class DenseLdlt {
   void judge_scaled(int first);
   void exchange(int p, int q);
   double largest(int i, int c, int d);
+  double scaled(int i, int j) const;
+  bool is_stable(int c, double wanted);
+  bool is_stable(int c, int r, double wanted);
+  int partner_of(int c, int first, int candidates) const;
+  int eliminate_one(int p, int c);
+  int eliminate_two(int p, int c, int r);
 
   std::vector<int> index_;
   Rows matrix_;                // the first `pivots_` rows hold L' right of the diagonal

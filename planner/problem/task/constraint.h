@@ -66,6 +66,7 @@ inline constexpr double kLargestCoordinate = 10;  // [m] well beyond the reach o
 inline constexpr double kLeastTolerance = 1e-4,
                         kMostTolerance = 1;  // [m] or [rad]; the rollout is exact to about 6e-5 m
 inline constexpr double kShortest = 1e-3;    // [m] or [rad] of lines, arcs and radii
+inline constexpr double kArmScale = 0.1;  // [m] scale of the rows of regions without a size of their own that matters
 // Fractions of the tolerance across the line and beyond its ends. A band of these sizes stays within the tolerance of
 // the segment's ends too, corners included.
 inline constexpr double kAcross = 0.99, kBeyond = 0.14;

@@ -65,6 +65,12 @@ double angle_of(const TipArc& arc, const Coordinates& point) {
 
 double turn_of(const TipArc& arc) { return turn_between(arc, arc.from, arc.to); }
 
+Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction) {
+  const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
+  const double angle = angle_of(arc, from) + fraction * turn_between(arc, from, to);
+  return {arc.center[0] + radius * std::cos(angle), arc.center[1] + radius * std::sin(angle)};
+}
+
 std::optional<task::FaultOfTurn> task::fault_of_turn(const TipArc& arc, double radius) {
   const bool is_long = arc.way == ArcWay::kLong;
   const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;

@@ -21,6 +21,9 @@ double turn_of(const TipArc& arc);
 // Returns the angle [rad] from one point to another as seen from the centre, in the direction of the arc.
 double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to);
 
+// See TipPath in planner/problem/tip_path.h.
+Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction);
+
 inline double relaxed_by(const TipArc& arc) { return arc.tolerance; }
 inline void relax(TipArc& arc, double wider) { arc.tolerance = wider; }
 

@@ -9,10 +9,9 @@ template <>
 inline constexpr ConstraintInfo kInfo<TipBox>{.name = "tip_box", .relaxed = "{} m larger on every side"};
 
 inline void add_rows(const TipBox& box, TaskRows& to) {
-  constexpr double kScale = 0.1;  // [m] a box has no size of its own that matters: the arm's
   for (std::size_t i = 0; i < 2; ++i) {
     const Coordinates axis{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
-    to.add(TaskRow::Kind::kTip, axis, 0, box.lower[i], box.upper[i], kScale);
+    to.add(TaskRow::Kind::kTip, axis, 0, box.lower[i], box.upper[i], task::kArmScale);
   }
 }
 

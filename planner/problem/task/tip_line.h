@@ -1,6 +1,8 @@
 // The tip stays within a tolerance of a straight line.
 #pragma once
 
+#include <cmath>
+
 #include "planner/problem/task/constraint.h"
 
 namespace fjr {
@@ -22,6 +24,11 @@ void check(const TipLine& line, const Place& place) {
 
 inline double relaxed_by(const TipLine& line) { return line.tolerance; }
 inline void relax(TipLine& line, double wider) { line.tolerance = wider; }
+
+// See TipPath in planner/problem/tip_path.h.
+inline Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to, double fraction) {
+  return {std::lerp(from[0], to[0], fraction), std::lerp(from[1], to[1], fraction)};
+}
 
 template <class Drawing>
 void draw(const TipLine& line, Drawing& in) {

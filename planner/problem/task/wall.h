@@ -16,14 +16,14 @@ inline constexpr Key kRequestKey<Wall>{kInfo<Wall>.name, "", "straight lines tha
 // A link is furthest beyond a straight line at one of its ends; the base does not move. So the elbow is kept clear by
 // the thicker of the links, and the tip by the second.
 inline void add_rows(const Wall& wall, TaskRows& to) {
-  constexpr double kScale = 0.1;  // [m] a wall has no size of its own: the arm's
   const double size = task::length(wall.normal);
   const Coordinates away{wall.normal[0] / size, wall.normal[1] / size};
   const Joints<double>& radius = to.robot.link.radius;
   const double through = task::dot(away, wall.point);
   for (int link = 1; link <= kJoints; ++link) {
     const double apart = wall.margin + (link == 1 ? std::max(radius[0], radius[1]) : radius[1]);
-    to.add(link == 1 ? TaskRow::Kind::kElbow : TaskRow::Kind::kTip, away, through, apart, task::kNone, kScale, link);
+    to.add(link == 1 ? TaskRow::Kind::kElbow : TaskRow::Kind::kTip, away, through, apart, task::kNone, task::kArmScale,
+           link);
   }
 }
 

@@ -29,8 +29,9 @@ void add_statics(Explanation& e) {
   const Carrying needs = carrying(e.problem);
   const double needed = e.result.quantity->in(needs.needed, j);
   if (needed <= (e.problem.limits.*e.result.quantity->per_joint)[j]) return;
-  e.result.sentence += fmt::format(" (held still on the straight way, at [{:.3g}, {:.3g}] rad, it takes {:.4g} {})",
-                                   needs.posture[j][0], needs.posture[j][1], needed, e.result.quantity->unit);
+  e.result.sentence +=
+      fmt::format(" (holding the arm still on the straight path, at [{:.3g}, {:.3g}] rad, takes {:.4g} {})",
+                  needs.posture[j][0], needs.posture[j][1], needed, e.result.quantity->unit);
 }
 
 // If not even a motion with everything relaxed was found, names a limit that is too small for carrying the arm

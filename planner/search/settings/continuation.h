@@ -58,7 +58,8 @@ struct NodeTimeSettings {
   int iterations = 60;  // nine of ten take less than 45
   // [rad/s] width of the homotopy step after which nodes are moved for the first time, because from then on it is
   // settled when each motor rests. If nodes move only with the exact law, the comparison of motions depends on chance,
-  // and their objectives are up to 1.5 % higher. Widths that are no step of a homotopy leave that to the exact law.
+  // and their objectives are up to 1.5 % higher. If no step of a homotopy has this width, nodes only move with the
+  // exact law.
   double first_width = 0.01;
   int rounds = 2;  // a refined mesh wants its nodes elsewhere, but no longer by much
 };
@@ -75,14 +76,16 @@ struct RegularisationSettings {
 struct MeshSettings {
   double tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   // Between given velocities that are less than this [s] apart the allowed error is smaller, by the cube of
-  // that time: with the intervals' lengths their errors fall faster than what a switch between two nodes costs. With
-  // one error for all, fastest motions of 0.08 to 0.1 s took up to 2.5 % longer than they had to. With 0.7 s in place
+  // that time. A switch of the torque inside an interval costs time in proportion to the interval's length, and the
+  // error of the interval falls with a higher power of it, so that in short motions one error for all leaves intervals
+  // too long: with it, fastest motions of 0.08 to 0.1 s took up to 2.5 % longer than they had to. With 0.7 s in place
   // of 0.35, durations of 0.2 to 0.5 s come to 0.02 % less, and take half as long again to find (bench/README.md).
   double full_tolerance_from = 0.35;
   double least_part_of_tolerance = 0.01;  // reached at a fifth of that; solves are not much more exact
   double shortest_interval = 2.5e-4;      // [s] refinement stops there: a switch inside costs less than the tolerance
-  // [s] Shorter ones are not split for a peak of the torque, but have margins: a motor's reversal moves on into the
-  // next interval, and would be followed from one to the other. With 2.5 ms peaks are up to 3 % higher, with 5 ms 17 %.
+  // [s] Shorter intervals are not split to lower a peak of the torque, but have a margin. Splitting would not end,
+  // because the reversal of the motor, where the peak is, then moves into the next interval. Peaks are up to 3 % higher
+  // with 2.5 ms, and 17 % with 5 ms.
   double shortest_interval_for_peak = 1.2e-3;
   // Most intervals of a mesh; fewer if a task adds rows. Memory grows with them, by 70 kB an interval without a task.
   std::size_t most_intervals = 2500;

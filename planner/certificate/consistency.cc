@@ -13,10 +13,13 @@ namespace fjr {
 namespace {
 
 // All rows of a file at the longest sample period of a request, 5 ms: a rollout of it is over within seconds. [s]
-constexpr double kLongestTrajectory = 5e-3 * kMaxRows;
+constexpr double kLongestTrajectory = kLongestSpacing * kMaxRows;
 
 // Rollouts do not step over less than a tenth of that. fjr's own rows are at least half of kJumpSpacing apart. [s]
 constexpr double kClosestRows = 1e-9;
+// [s] ARKODE takes times for the same that are within 100 roundings of each other. Before the end of a trajectory that
+// begins here, these are less than a thirtieth of kClosestRows.
+constexpr double kLatestStart = 1000;
 
 struct Column {
   const char* name;
@@ -84,6 +87,12 @@ std::optional<std::string> malformed(const Trajectory& trajectory) {
   }
   if (const double duration = trajectory.end_time() - trajectory.start_time(); duration > kLongestTrajectory) {
     return fmt::format("the trajectory takes {:g} s, at most {:g} s are rolled out", duration, kLongestTrajectory);
+  }
+  if (std::abs(trajectory.start_time()) > kLatestStart) {
+    return fmt::format(
+        "the trajectory begins at {:g} s; times have to count from at most {:g} s away, so that they resolve "
+        "what happens between rows",
+        trajectory.start_time(), kLatestStart);
   }
   return std::nullopt;
 }

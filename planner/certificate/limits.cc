@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "model/friction.h"
 #include "planner/certificate/thresholds.h"
@@ -110,7 +111,12 @@ class PublishedExtremes {
       }
     };
     include_all(rows_.front());
-    for (const double time : instants) include_all(plan_.at(time));
+    double before = rows_.front().time;
+    for (const double time : instants) {  // velocities may be largest in between, however close rows are to each other
+      include_all(plan_.at(std::midpoint(before, time)));
+      include_all(plan_.at(time));
+      before = time;
+    }
   }
 
   void torque_rates() {

@@ -30,12 +30,14 @@ inline double link_velocity_tolerance(const Parameters& p) { return exactness_to
 // Two counts within 10 ms: an error of one count at 200 rad/s, three times the arm's highest natural frequency. [rad/s]
 inline double rollout_velocity_tolerance(const Parameters& p) { return exactness_tolerance(p) / 0.005; }
 
-// Velocity error that makes a tenth of the allowed feedback through the velocity gain. [rad/s]
+// Velocity error that makes a tenth of the allowed feedback through the velocity gain, and no more than 0.01 rad/s,
+// because with a small gain the feedback does not tell whether a velocity is true. [rad/s]
 inline Joints<double> motor_velocity_tolerance(const Parameters& p) {
+  constexpr double kMost = 0.01;
   const Joints<double> feedback = feedback_limit(p);
   Joints<double> tolerance;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    tolerance[j] = p.feedback.velocity_gain[j] > 0 ? 0.1 * feedback[j] / p.feedback.velocity_gain[j] : 0.01;
+    tolerance[j] = std::min(kMost, 0.1 * feedback[j] / p.feedback.velocity_gain[j]);
   }
   return tolerance;
 }

@@ -100,7 +100,7 @@ PlannedMotion read_motion(const YamlNode& plan) {
   if (const auto robot = plan.find("robot")) {
     planned.limits = tighter(planned.limits, read_limits(robot->at("limits")));
     if (const auto payload = robot->find("payload")) {
-      planned.payload = {payload->at("mass").number("kg"), payload->at("inertia").number("kg m^2")};
+      planned.payload = read_payload(*payload);
     }
   }
   if (const auto start = request.find("start")) planned.start = read_state(*start);

@@ -10,6 +10,7 @@
 
 #include "planner/certificate/limits.h"
 #include "planner/certificate/request_check.h"
+#include "planner/certificate/thresholds.h"
 #include "support/exact_trajectories.h"
 
 namespace fjr {
@@ -121,6 +122,34 @@ TEST(TaskChecks, TheFirstRowIsOneOfThem) {
   EXPECT_NEAR(certificate.task[0].clearance, 0, 1e-12);
 }
 
+// The stretched arm passes a point between two instants that are 0.25 ms apart: 0.2 mm before it and 0.3 mm behind it.
+TEST(TaskChecks, WhatALinkPassesThroughBetweenInstantsIsSeen) {
+  Trajectory trajectory;
+  trajectory.samples = {row_at(0, 0, 4, 0), row_at(0.1, 0.4, 4, 0)};
+  Parameters thin = robot();
+  thin.link.radius = {1e-5, 1e-5};
+  const double passed = 4 * (0.05 + 1e-4);
+  Task task;
+  task.obstacles.discs = {Disc{{0.5 * std::sin(passed), -0.5 * std::cos(passed)}, 0, 0}};
+  Certificate certificate;
+  certificate.certified = true;
+  check_against_task(thin, task, {0.1}, trajectory, certificate);
+  EXPECT_FALSE(certificate.certified);
+  const auto& worst = *std::min_element(certificate.task.begin(), certificate.task.end(),
+                                        [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
+  EXPECT_EQ(worst.link, 2);
+  EXPECT_NEAR(worst.clearance, -1e-5, 1e-8);  // 1e-9 s at 2 m/s
+  EXPECT_NEAR(worst.time, 0.0501, 1e-8);
+}
+
+// With hardly any gain the feedback does not tell whether velocities are true.
+TEST(Thresholds, ASmallGainAllowsNoLargeVelocityError) {
+  Parameters soft = robot();
+  soft.feedback.velocity_gain = {1e-3, 0};
+  EXPECT_EQ(motor_velocity_tolerance(soft)[0], 0.01);
+  EXPECT_EQ(motor_velocity_tolerance(soft)[1], 0.01);
+}
+
 // A row that is far from all others makes no rate at the others the mean of a long time.
 TEST(LimitChecks, ALongRestAfterwardsHidesNoTorqueRate) {
   Trajectory trajectory;
@@ -193,6 +222,16 @@ TEST(LimitChecks, TipSpeedIsThatOfBothLinks) {
   EXPECT_EQ(checks[0].joint, 0);
   EXPECT_NEAR(checks[0].reached, 2 * (0.345 + 0.305), 1e-9);  // stretched out, turning about joint 1
   EXPECT_FALSE(checks[0].passed);
+}
+
+// Between rows that are as close as the instants the cubic is faster than both: 2.1 rad/s in the mean, 2.15 in the
+// middle.
+TEST(LimitChecks, TipSpeedIsLargestBetweenRows) {
+  Trajectory trajectory;
+  trajectory.samples = {row_at(0, 0, 2, 0), row_at(0.25e-3, 2.1 * 0.25e-3, 2, 0)};
+  Limits limits;
+  limits.tip_speed = 1.35;
+  EXPECT_NEAR(check_limits(robot(), limits, trajectory, {})[0].reached, 2.15 * (0.345 + 0.305), 1e-9);
 }
 
 }  // namespace

@@ -16,8 +16,7 @@ std::string how_far(const Findings& found, const Session& session) {
   if (!session.account().cut_by_work) return "";
   return fmt::format(
       "; the search reached its limit of work (about {0:.0f} s of one core, counted in steps of the optimiser) after "
-      "{1} "
-      "starts and {2} minima; a --deadline of more than {0:.0f} s raises it",
+      "{1} starts and {2} minima; a --deadline of more than {0:.0f} s raises it",
       session.most_work(), found.starts, found.minima.size());
 }
 

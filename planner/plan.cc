@@ -100,6 +100,7 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   WithWait with_wait = plan_with_wait(starts, found, session);
+  // A plan with a wait is certified, so that no fallbacks are needed beside it.
   const IfNone if_none = with_wait.best ? IfNone::kGiveUp : IfNone::kFallBack;
   if (!with_wait.is_enough) find_motions(starts, if_none, found, session);
   if (with_wait.best) found.keep(*std::move(with_wait.best));

@@ -17,7 +17,7 @@ constexpr double kLongestTrajectory = kLongestSpacing * kMaxRows;
 
 // Rollouts do not step over less than a tenth of that. fjr's own rows are at least half of kJumpSpacing apart. [s]
 constexpr double kClosestRows = 1e-9;
-// [s] ARKODE takes times for the same that are within 100 roundings of each other. Before the end of a trajectory that
+// [s] ARKODE treats times as equal that are within 100 roundings of each other. Before the end of a trajectory that
 // begins here, these are less than a thirtieth of kClosestRows.
 constexpr double kLatestStart = 1000;
 
@@ -90,8 +90,7 @@ std::optional<std::string> malformed(const Trajectory& trajectory) {
   }
   if (std::abs(trajectory.start_time()) > kLatestStart) {
     return fmt::format(
-        "the trajectory begins at {:g} s; times have to count from at most {:g} s away, so that they resolve "
-        "what happens between rows",
+        "the trajectory begins at {:g} s, more than {:g} s from time 0: rollouts cannot resolve rows there",
         trajectory.start_time(), kLatestStart);
   }
   return std::nullopt;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -55,43 +56,61 @@ struct TaskChecks {
   }
 };
 
-// The clearances of a motion from a task. They are looked at at the start and at the instants at which rollouts are
-// compared, at most 0.25 ms apart, and where one of a row is least among its neighbours, at the least clearance between
-// these: a link moves 1 mm from one instant to the next, and may have passed through something thinner.
+// The clearances of a motion from a task. They are evaluated at the ends of its segments, at the instants at which
+// rollouts are compared (at most 0.25 ms apart), and between the neighbours of an instant at which a clearance is
+// least: a link moves 1 mm from one instant to the next, and may have passed through something thinner.
 class Clearances {
  public:
   Clearances(const Parameters& robot, const Task& task, const std::vector<double>& ends, const Trajectory& trajectory)
-      : robot_(robot), along_(TaskOfMotion::of(robot, task, ends)), plan_(trajectory), found_(along_.rows.front()) {
-    instants_ = comparison_instants(trajectory);
-    instants_.insert(instants_.begin(), trajectory.start_time());
-  }
+      : robot_(robot),
+        along_(TaskOfMotion::of(robot, task, ends)),
+        start_(trajectory.start_time()),
+        end_(trajectory.end_time()),
+        instants_(comparison_instants(trajectory)),
+        plan_(trajectory),
+        found_(along_.rows.front()) {}
 
   std::vector<TaskCheck> check() {
-    const std::size_t count = along_.rows.front().size();
-    std::vector<double> before(count, kNoLimit), here(count, kNoLimit), next = at_instant(0);
-    for (std::size_t i = 0; i < instants_.size(); ++i) {
-      before = std::exchange(here, std::exchange(next, {}));
-      next = i + 1 < instants_.size() ? at_instant(i + 1) : std::vector<double>(count, kNoLimit);
-      for (std::size_t r = 0; r < count; ++r) {
-        if (here[r] <= before[r] && here[r] <= next[r]) look_between(i, r, here[r]);
-      }
-    }
+    for (std::size_t s = 0; s < along_.rows.size(); ++s) check_segment(along_.rows[s], instants_of(s));
     return std::move(found_.checks);
   }
 
  private:
   static constexpr double kResolution = 1e-9;  // [s], in which nothing moves by more than 1e-7 m
 
+  // Returns the instants of a segment, its ends included.
+  std::vector<double> instants_of(std::size_t segment) const {
+    const double from = segment == 0 ? start_ : std::min(along_.ends[segment - 1], end_);
+    const double to = segment + 1 == along_.ends.size() ? end_ : std::min(along_.ends[segment], end_);
+    std::vector<double> instants{from};
+    std::copy(std::upper_bound(instants_.begin(), instants_.end(), from),
+              std::lower_bound(instants_.begin(), instants_.end(), to), std::back_inserter(instants));
+    if (to > from) instants.push_back(to);
+    return instants;
+  }
+
+  void check_segment(const std::vector<TaskRow>& rows, const std::vector<double>& instants) {
+    const std::vector<double> none(rows.size(), kNoLimit);
+    std::vector<double> before = none, here = none, next = at_instant(rows, instants.front());
+    for (std::size_t i = 0; i < instants.size(); ++i) {
+      before = std::exchange(here, std::exchange(next, {}));
+      next = i + 1 < instants.size() ? at_instant(rows, instants[i + 1]) : none;
+      for (std::size_t r = 0; r < rows.size(); ++r) {  // of equal ones, as at a rest, the first is least
+        if (!(here[r] < before[r]) || !(here[r] <= next[r])) continue;
+        look_between(instants[i > 0 ? i - 1 : 0], instants[std::min(i + 1, instants.size() - 1)], rows[r], r, here[r]);
+      }
+    }
+  }
+
   // Includes the clearances of all rows at an instant, and returns them.
-  std::vector<double> at_instant(std::size_t i) {
-    const State<double> x = plan_.at(instants_[i]).state;
+  std::vector<double> at_instant(const std::vector<TaskRow>& rows, double time) {
+    const State<double> x = plan_.at(time).state;
     const auto posture = Posture<double>::of(robot_, x.q);
-    const std::vector<TaskRow>& rows = along_.rows[along_.segment_at(instants_[i])];
     speed_ = std::max({speed_, std::abs(x.dq[0]), std::abs(x.dq[1])});
     std::vector<double> clearances;
     for (std::size_t r = 0; r < rows.size(); ++r) {
       clearances.push_back(rows[r].distance(rows[r].value(robot_, posture)));
-      include(rows[r], r, clearances.back(), instants_[i]);
+      include(rows[r], r, clearances.back(), time);
     }
     return clearances;
   }
@@ -105,16 +124,14 @@ class Clearances {
     check.passed = check.passed && clearance >= -kPublishedFraction * row.scale;
   }
 
-  // Includes the least clearance of a row between the neighbours of instant i, found by golden sections, unless links
-  // of twice the speed could not get there.
-  void look_between(std::size_t i, std::size_t r, double clearance) {
-    const TaskRow& row = along_.rows[along_.segment_at(instants_[i])][r];
-    double from = instants_[i > 0 ? i - 1 : 0], to = instants_[std::min(i + 1, instants_.size() - 1)];
+  // Includes the least clearance of a row between two times, found by golden sections, unless links of twice the speed
+  // could not take away the clearance [m or rad] that there is.
+  void look_between(double from, double to, const TaskRow& row, std::size_t r, double clearance) {
     if (clearance > moved_by(robot_, row, 2 * speed_ * (to - from))) return;
+    constexpr double kGolden = 0.6180339887498949;
     const auto at = [&](double time) {
       return row.distance(row.value(robot_, Posture<double>::of(robot_, plan_.at(time).state.q)));
     };
-    constexpr double kGolden = 0.6180339887498949;
     double a = to - kGolden * (to - from), b = from + kGolden * (to - from), at_a = at(a), at_b = at(b);
     while (to - from > kResolution) {
       if (at_a < at_b) {
@@ -134,9 +151,10 @@ class Clearances {
 
   const Parameters& robot_;
   const TaskOfMotion along_;
+  const double start_, end_;            // [s]
+  const std::vector<double> instants_;  // [s]
   Interpolator plan_;
   TaskChecks found_;
-  std::vector<double> instants_;
   double speed_ = 0;  // [rad/s] of the links so far
 };
 

@@ -28,7 +28,11 @@ class KktSystem {
   double multiplications() const { return multiplications_; }
 
  private:
-  enum class Inertia { kRight, kWrong, kSingular };
+  enum class Inertia {
+    kRight,
+    kWrong,
+    kSingular  // or with too few negative eigenvalues, which only roundings make
+  };
   Inertia try_with(SlackForm& form, const Vector& d, double shift, double regularised);
 
   ChainLdlt factor_;

@@ -21,7 +21,8 @@ struct TipPath {
   std::function<Coordinates(const Coordinates& from, const Coordinates& to, double fraction)> along;
 };
 
-// Returns the first constraint of the task that has a function along(constraint, from, to, fraction).
+// Returns the first constraint of the task that has a function along(constraint, from, to, fraction), and members from,
+// to and tolerance.
 std::optional<TipPath> tip_path(const Task& task);
 
 // Returns points from one end to the other, so close that the lines between them are within 0.1 mm of the path.

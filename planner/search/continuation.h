@@ -44,9 +44,9 @@ struct ContinuationOptions {
   // Factor on the regularisation of the first solution; with more of it that is easier to find.
   double regularisation_factor = 1;
   double width_factor = 1;  // factor on the width of the first solution's friction law; smaller is nearer to exact
-  bool by_interior_point =
-      false;                    // finds the first solution by our interior-point method instead of Ipopt, if that suits
-  double iteration_factor = 1;  // factor on the iterations of warm starts and homotopy steps
+  // Finds the first solution by our interior-point method instead of Ipopt, if that suits.
+  bool by_interior_point = false;
+  double iteration_factor = 1;                     // factor on the iterations of warm starts and homotopy steps
   std::optional<ContinuationStrategy> strategy{};  // the usual one, unless another is given
 };
 

@@ -34,6 +34,7 @@ bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && 
 
 }  // namespace
 
+// The cells, their clearances, and what it costs to pass them.
 class AngleGrid {
  public:
   AngleGrid(const Problem& problem, double spacing)
@@ -232,7 +233,7 @@ DetourFinder::~DetourFinder() = default;
 
 Detours DetourFinder::find(std::size_t segment, const Joints<double>& from, const Joints<double>& to,
                            std::size_t most) const {
-  AngleGrid grid = *grid_;
+  AngleGrid grid = *grid_;  // a copy, whose costs are raised by each path that is found
   Detours found;
   const std::vector<std::size_t> best = widest(grid, grid.cell_of(from, false), grid.cell_of(to, false));
   found.widest = path_of(grid, best, from, to);

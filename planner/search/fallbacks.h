@@ -14,7 +14,7 @@ namespace fjr {
 // Returns whether the limits allow moving the arm slowly along the straight path, without swinging.
 bool can_be_carried(const Problem& problem);
 
-// Searches a motion that swings the arm up, if it cannot be carried. Limits are relaxed until they carry the arm, which
+// Searches a motion that swings the arm up, if it cannot be carried. Limits are relaxed until it can be, which
 // soon gives a motion. They are then tightened step by step, each solution starting the next, and the tighter they are,
 // the more the motion swings. If much torque is missing, the search first looks for the least torque of a motion that
 // folds link 2 on the way. Motions of more than `longest` [s] are not followed. With more than the usual budget, a

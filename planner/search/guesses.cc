@@ -158,7 +158,7 @@ std::vector<double> durations_of(const Problem& problem, double duration) {
   return apportioned(problem, duration, segment_times(problem));
 }
 
-std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
+std::vector<Waypoint> timed_waypoints(const Problem& problem, const std::vector<double>& durations) {
   const auto points = waypoints(problem);
   const double whole = std::accumulate(durations.begin(), durations.end(), 0.0);
   std::vector<Waypoint> result{{0, points.front()}};
@@ -304,7 +304,7 @@ LinkMotion along_series(const SineSeries& series, double c) {
 template <class Detour>
 Guess along_flat_motion(const std::string& name, const Problem& problem, double duration, const Detour& detour) {
   const std::vector<double> durations = durations_of(problem, duration);
-  const auto points = waypoints(problem, durations);
+  const auto points = timed_waypoints(problem, durations);
   const auto flat = [points, duration, detour, robot = problem.robot](double s) {
     const auto [segment, fraction, c] = place_at(points, s);
     const double time = fraction * duration;
@@ -328,7 +328,7 @@ Guess along_flat_motion(const std::string& name, const Problem& problem, double 
 
 Guess straight_guess(const Problem& problem, double duration) {
   const std::vector<double> durations = durations_of(problem, duration);
-  const auto points = waypoints(problem, durations);
+  const auto points = timed_waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
     const auto [segment, fraction, inside] = place_at(points, s);
     Joints<double> q;
@@ -349,7 +349,7 @@ Guess passing_guess(const Problem& problem) {
   const double usual = std::max(kShortest, sum_of(times) * kWithSprings);
   const double duration = std::clamp(usual, problem.duration.min, problem.duration.max);
   const std::vector<double> durations = apportioned(problem, duration, times);
-  const auto points = waypoints(problem, durations);
+  const auto points = timed_waypoints(problem, durations);
   const std::vector<Joints<double>> velocities = passing_velocities(problem, waypoints(problem), durations);
   const auto flat = [points, duration, velocities, robot = problem.robot](double s) {
     const auto [segment, fraction, inside] = place_at(points, s);
@@ -368,7 +368,7 @@ Guess path_guess(const Problem& problem, double duration, const std::vector<Path
   constexpr int kRounds = 3;  // of averaging neighbours: a grid's staircase becomes a slope
   constexpr std::size_t kPoints = 64;
   const std::vector<double> durations = durations_of(problem, duration);
-  const auto points = waypoints(problem, durations);
+  const auto points = timed_waypoints(problem, durations);
   std::vector<Path> rounded;
   for (const Path& path : paths) {
     Path even = resampled(path, kPoints);
@@ -451,7 +451,7 @@ Guess folding_guess(const Problem& problem, double duration, double swing) {
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint) {
   constexpr double kMoves = 0.6;  // fraction of a segment's time that each joint moves
   const std::vector<double> durations = durations_of(problem, duration);
-  const auto points = waypoints(problem, durations);
+  const auto points = timed_waypoints(problem, durations);
   const auto state = [points, first_joint, robot = problem.robot](double s) {
     const auto [segment, fraction, inside] = place_at(points, s);
     Joints<double> q;

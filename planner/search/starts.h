@@ -20,8 +20,7 @@ struct Starts {
   // Those for the first guesses, which follow paths round obstacles, if these lead nowhere: other motions along the
   // same paths. Of 65 fastest motions past one to three discs two took 36 and 44 % longer without them.
   std::vector<Guess> along_paths_again;
-  std::size_t guided =
-      0;  // number of the first guesses, which are made for the request; others are displaced at random
+  std::size_t guided = 0;  // number of the first guesses, made for the request; others are displaced at random
   // Number of displaced guesses that are replaced by one near the best motion so far; after them, every second one is.
   std::size_t near_the_best = 0;
   std::size_t always = 0;  // number of guesses that are tried in any case; others are tried until one leads somewhere

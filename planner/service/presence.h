@@ -17,7 +17,8 @@ namespace fjr {
 inline constexpr double kLeastStartWithin = 0.5;
 
 inline Refusal client_gone() {
-  return {Reason::kClientGone, "", "its client gave no sign of life for longer than start_within; send it again"};
+  return {Reason::kClientGone, "",
+          "its client gave no sign of life for longer than it may start within; send it again"};
 }
 
 class Presence {

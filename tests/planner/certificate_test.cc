@@ -86,7 +86,7 @@ const Forgery kForgeries[] = {
      "row 8 at 0.006000001 s is 9.0e-10 s after the row before it, at least 1e-09 s are needed"},
     {"OneRow", [](Rows& r) { r.resize(1); }, "fewer than two rows"},
     {"TooLong", [](Rows& r) { r.back().time = 1e6; }, "the trajectory takes 1e+06 s"},
-    // At 2^20 s rows of 1 ns after another are the same instant to an integrator, and at 2^30 s its clock drifts.
+    // At 2^20 s rows 1 ns apart are the same instant to an integrator, and at 2^30 s its clock drifts.
     {"ClockFarFromZero", in_every_row([](Sample& row) { row.time += 1048576; }),
      "the trajectory begins at 1.04858e+06 s"},
     {"HugeTorque", in_every_row([](Sample& row) { row.torque[0] = 1e300; }), "open loop: "},

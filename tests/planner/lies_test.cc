@@ -172,7 +172,7 @@ TEST(Certificate, AMotorThatMovesOtherwiseThanItSaysIsNotCertified) {
 }
 
 // In open loop one nanoradian decides, from either side.
-TEST_P(Lies, OneNanoradianBeyondTheLimitAreNeverProven) {
+TEST_P(Lies, BeyondTheLimitByOneNanoradianAreNeverProven) {
   const double count = exactness_tolerance(robot());
   const auto error = [](const Told& told) { return static_cast<double>(told.errors(false).link); };
   const Told wrong(GetParam(), size_for(GetParam(), error, count + kMiss)),

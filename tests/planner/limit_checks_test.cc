@@ -142,6 +142,22 @@ TEST(TaskChecks, WhatALinkPassesThroughBetweenInstantsIsSeen) {
   EXPECT_NEAR(worst.time, 0.0501, 1e-8);
 }
 
+// A corner that does not bend is passed at full speed, and each segment keeps to its own line. 0.1 ms from the corner
+// there is no instant: the rows of one segment must not be held against the other, which would miss by 1.5e-4 rad.
+TEST(TaskChecks, ACornerThatDoesNotBendIsPassedAtFullSpeed) {
+  for (const double passed : {0.05, 0.0501}) {
+    Trajectory trajectory;
+    trajectory.samples = {row_at(0, 0, 3, 0), row_at(0.1, 0.3, 3, 0)};
+    Task task;
+    task.path = JointPath{{{0, 0}, {3 * passed, 0}, {0.3, 0}}, 1e-4};
+    Certificate certificate;
+    certificate.certified = true;
+    check_against_task(robot(), task, {passed, 0.1}, trajectory, certificate);
+    EXPECT_TRUE(certificate.certified) << certificate.failures.front();
+    EXPECT_GT(certificate.task.at(0).clearance, 1e-5) << passed;
+  }
+}
+
 // With hardly any gain the feedback does not tell whether velocities are true.
 TEST(Thresholds, ASmallGainAllowsNoLargeVelocityError) {
   Parameters soft = robot();

@@ -1,7 +1,8 @@
 // Constants that tune the search, one struct per algorithm: each with its unit, what it does, and where there is
 // one the measurement behind it. An expert sets them by PlanOptions::search, or in a file (settings_file.h); a plan is
 // a function of them as of its request, whose hash does not contain them. (Guesses and paths round obstacles are
-// functions of the problem alone: what shapes them stands in guesses.cc, clear_guesses.cc and detours.cc. What
+// functions of the problem alone: what shapes them stands in guesses.cc, clear_guesses.cc and detours.cc. The steps of
+// the homotopy are in continuation_strategy.cc, and how margins, rests and moving nodes are set up in planner/ocp. What
 // says how exactly something is computed, such as the points of a quadrature, stays where that is done.)
 #pragma once
 

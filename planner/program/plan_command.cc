@@ -97,33 +97,6 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
   return jobs;
 }
 
-// A request as it was read, before it is resolved to numbers.
-struct NamedRequest {
-  YamlNode document;
-  Request request;
-  fs::path folder;
-};
-
-NamedRequest read_named(const std::string& named) {
-  const RequestFile file = read_request_file(named);
-  YamlNode document = YamlNode::parse(file.text, file.source);
-  Request request = read_request(document);
-  return {std::move(document), std::move(request), file.folder};
-}
-
-struct ResolvedRequest {
-  Problem problem;
-  fs::path robot;
-};
-
-ResolvedRequest resolve_named(const NamedRequest& named, const std::string& robot) {
-  if (named.request.robot && !robot.empty()) {
-    throw InputError(named.request.source, "robot", "is named already; --robot is for requests that name none");
-  }
-  const fs::path file = robot_file_of(named.request, named.folder, robot);
-  return {resolve(named.request, load_parameters(file)), file};
-}
-
 void complain(const std::string& problem) { say("fjr: {}\n", problem); }
 
 // A library that cannot be opened is no fault of a request, so it is opened before any is read. Throws InputError.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/say.h"
@@ -17,6 +18,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/number_checks.h"
+#include "planner/program/request_file.h"
 #include "planner/program/summary.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
@@ -29,6 +31,7 @@ struct VerifyArguments {
   std::string trajectory;
   std::string robot;            // empty: the default
   std::vector<double> payload;  // empty: the robot's own
+  std::string request;          // empty: only what the folder of a plan says of it
   bool json = false;
   bool proven = false;
   double robust = 0;  // 0: not asked for
@@ -68,17 +71,34 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
   return fmt::format(
       "{}: {} against the robot's limits{}{} ({} rows{}, {:.6g} s, {}, {})\n{}{}", options.trajectory,
       v.certificate.certified ? "certified" : "certificate failed", v.header.limits.empty() ? "" : " and the request's",
-      v.certificate.task.empty() ? "" : " and the plan's task", trajectory.samples.size(),
-      v.complete ? "" : "; how many there were is not said, so some may be missing",
+      options.request.empty() ? v.certificate.task.empty() ? "" : " and the plan's task"
+                              : fmt::format(", and as {} asks", source_of(options.request).string()),
+      trajectory.samples.size(), v.complete ? "" : "; how many there were is not said, so some may be missing",
       trajectory.end_time() - trajectory.start_time(), motion_of("starts", v.robot, trajectory.samples.front()),
       motion_of("ends", v.robot, trajectory.samples.back()), header_text(v), summary(v.certificate, v.limits));
 }
 
-VerifyOptions verify_options(const VerifyArguments& options) {
-  VerifyOptions o{payload_given(options), options.proven};
-  if (options.robust > 0) o.robust = options.robust;
-  if (std::filesystem::is_directory(options.trajectory)) o.planned = planned_motion(options.trajectory);
-  return o;
+// What a trajectory is held against.
+struct Demands {
+  Parameters robot;
+  VerifyOptions options;
+};
+
+Demands demands(const VerifyArguments& options, const Trajectory& trajectory) {
+  PlannedMotion of_plan;
+  if (std::filesystem::is_directory(options.trajectory)) of_plan = planned_motion(options.trajectory);
+  Demands on;
+  if (options.request.empty()) {
+    on.robot = load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
+    on.options.payload = payload_given(options);
+    on.options.planned = std::move(of_plan);
+  } else {
+    const Problem request = resolve_named(read_named(options.request), options.robot).problem;
+    on = {request.robot, as_asked_by(request, std::move(of_plan), trajectory)};
+  }
+  on.options.proven = on.options.proven || options.proven;
+  if (options.robust > 0) on.options.robust = options.robust;
+  return on;
 }
 
 std::filesystem::path rows_of(const std::string& given) {
@@ -88,9 +108,8 @@ std::filesystem::path rows_of(const std::string& given) {
 
 int run(const VerifyArguments& options) {
   const Trajectory trajectory = read_csv(rows_of(options.trajectory));
-  const Parameters robot =
-      load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
-  const Verification v = verify(trajectory, options.trajectory, robot, verify_options(options));
+  const Demands on = demands(options, trajectory);
+  const Verification v = verify(trajectory, options.trajectory, on.robot, on.options);
   tell_doubts(v.robot);
   for (const std::string& contradiction : v.contradictions) {
     say("fjr: warning: {}: {}\n", options.trajectory, contradiction);
@@ -108,14 +127,22 @@ void add_verify(CLI::App& app, int& exit_code) {
   command->add_option("trajectory", options->trajectory, "Trajectory file, or the folder of a plan")
       ->required()
       ->type_name("TRAJECTORY.csv");
-  command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
+  command
+      ->add_option(
+          "--request", options->request,
+          "Request file, or - for standard input: certified only if this is what the trajectory does, whatever "
+          "plan.json says")
+      ->type_name("REQUEST.yaml");
+  command->add_option("--robot", options->robot, "Robot file; without it the request's, or the one shipped with fjr")
+      ->type_name("R");
   command
       ->add_option("--payload", options->payload,
                    "Mass at the tip, and inertia about its own centre; without it what the robot or the file's header "
                    "says")
       ->expected(1, 2)
       ->check(not_negative())
-      ->type_name("KG [KG M^2]");
+      ->type_name("KG [KG M^2]")
+      ->excludes("--request");
   command->add_flag("--proven", options->proven,
                     "Bounds that hold with mathematical certainty too: certified only if everything is proven");
   command

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
+#include "common/input_error.h"
 #include "common/strict_yaml.h"
 #include "planner/request/request.h"
 #include "planner/request/request_keys.h"
@@ -93,6 +96,21 @@ void read_ends(const YamlNode& plan, PlannedMotion& planned) {
   if (!planned.via.empty()) ask(planned.via.size() + 1, "the way through the via points");
 }
 
+// Returns when the segments end that a request asks for. [s] planned: as plan.json says; end: of the trajectory.
+std::vector<double> segment_ends(const Problem& request, const std::vector<double>& planned, double end) {
+  if (request.via.size() + 1 == planned.size()) return planned;
+  std::vector<double> ends;
+  for (std::size_t i = 0; i < request.via.size(); ++i) {
+    if (!request.via[i].time) {
+      throw InputError(request.name, fmt::format("via[{}].time", i),
+                       "is free, and no plan.json with as many via points says when this one is passed");
+    }
+    ends.push_back(std::min(*request.via[i].time, end));
+  }
+  ends.push_back(planned.empty() ? end : planned.back());
+  return ends;
+}
+
 PlannedMotion read_motion(const YamlNode& plan) {
   const YamlNode request = plan.at("resolved_request");
   PlannedMotion planned{read_task(request.at("task")), {}};
@@ -138,6 +156,24 @@ Task planned_task_in(const Json& plan, const std::string& source) {
   Json relevant;
   relevant["resolved_request"]["task"] = JsonField(plan, source).at("resolved_request").at("task").json();
   return read_task(YamlNode::parse(json_text(relevant), source).at("resolved_request").at("task"));
+}
+
+PlannedMotion requested_motion(const Problem& request, PlannedMotion of_plan, const Trajectory& trajectory) {
+  PlannedMotion motion;
+  motion.task = request.task;
+  motion.ends = segment_ends(request, of_plan.ends, trajectory.end_time());
+  motion.limits = tighter(request.limits, Limits::of(request.robot));
+  motion.start = request.start;
+  motion.goals = {request.goal};
+  motion.goals.insert(motion.goals.end(), request.other_goals.begin(), request.other_goals.end());
+  motion.duration = request.duration;
+  motion.payload = request.robot.payload;
+  motion.via = request.via;
+  motion.request_hash = request.request_hash;
+  motion.told_by = fmt::format("the request {}", request.name);
+  motion.robot_hash = std::move(of_plan.robot_hash);
+  motion.status = std::move(of_plan.status);
+  return motion;
 }
 
 PlannedMotion planned_motion(const std::filesystem::path& folder) {

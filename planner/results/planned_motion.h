@@ -1,4 +1,4 @@
-// The requested motion as described in plan.json.
+// The requested motion as described in plan.json, or as a request asks for it.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/problem/problem.h"
+#include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 
@@ -21,6 +22,7 @@ struct PlannedMotion {
   std::optional<Payload> payload{};       // none: not said
   std::vector<Via> via{};
   std::string request_hash{}, robot_hash{}, status{};  // empty: not said
+  std::string told_by = "plan.json";                   // who says so, for messages
 };
 
 // Reads plan.json in the folder of a plan. Throws InputError if it does not exist or describes no motion, or if its
@@ -30,5 +32,10 @@ PlannedMotion planned_motion(const std::filesystem::path& folder);
 PlannedMotion planned_motion_in(const nlohmann::ordered_json& plan, const std::string& source);
 // Returns only its task. Nothing else of the plan needs to be readable.
 Task planned_task_in(const nlohmann::ordered_json& plan, const std::string& source);
+
+// Returns what a request asks of a trajectory. of_plan: the motion of the plan.json beside it, or an empty one: the
+// times of via points that the request leaves free, status and robot_hash are taken from there. Throws InputError if
+// such a time is not there.
+PlannedMotion requested_motion(const Problem& request, PlannedMotion of_plan, const Trajectory& trajectory);
 
 }  // namespace fjr

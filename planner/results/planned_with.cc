@@ -70,7 +70,7 @@ void tell_planned_with(const Json& plan, Metadata& metadata) {
 }
 
 std::string leaves_out(const LimitName& limit, double planned) {
-  return fmt::format("does not say that {}{} was limited to {} {}, as plan.json does", limit.quantity->name,
+  return fmt::format("does not say that {}{} was limited to {} {}, as its request does", limit.quantity->name,
                      limit.joint == 0 ? "" : fmt::format(" of joint {}", limit.joint), planned, limit.quantity->unit);
 }
 

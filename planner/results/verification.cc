@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "common/parallel.h"
 #include "common/strict_yaml.h"
@@ -26,13 +27,13 @@ namespace {
 constexpr double kSameTime = 1e-9;  // [s] for roundings
 
 // Determines the payload: the given one, or else the robot's, or else that of plan.json, or else the file's.
-void settle_payload(const std::optional<Payload>& given, const std::optional<Payload>& of_plan, Verification& v) {
+void settle_payload(const std::optional<Payload>& given, const PlannedMotion& motion, Verification& v) {
   if (given) v.robot.payload = *given;
-  const auto& of_file = v.header.payload;
+  const auto &of_file = v.header.payload, &of_plan = motion.payload;
   const auto& planned = of_plan ? of_plan : of_file;
   if (of_plan && of_file && *of_plan != *of_file) {
     v.contradictions.push_back(
-        fmt::format("payload: the file says {}, but plan.json {}", text_of(*of_file), text_of(*of_plan)));
+        fmt::format("payload: the file says {}, but {} {}", text_of(*of_file), motion.told_by, text_of(*of_plan)));
   }
   if (!planned || *planned == v.robot.payload) return;
   if (!given && v.robot.payload == Payload{}) {
@@ -66,8 +67,8 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
                                          planned_for->second, hash, v.header.payload ? "" : " or payload"));
 }
 
-// Adds a contradiction if plan.json belongs to another request, whose task the rows were not planned for, or to a plan
-// that is not certified.
+// Adds a contradiction if the rows were planned for another request than `planned` tells of, or if plan.json belongs to
+// a plan that is not certified.
 void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned, Verification& v) {
   const bool executable = plan_status(planned.status) == PlanStatus::kCertified || planned.status == kLearntStatus;
   if (!planned.status.empty() && !executable) {
@@ -80,9 +81,8 @@ void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned
   }
   const auto hash = trajectory.metadata.find("request_hash");
   if (planned.request_hash.empty() || hash == trajectory.metadata.end() || hash->second == planned.request_hash) return;
-  v.contradictions.push_back(
-      fmt::format("it was planned for another request (request_hash {}, that of plan.json is {})", hash->second,
-                  planned.request_hash));
+  v.contradictions.push_back(fmt::format("it was planned for another request (request_hash {}, that of {} is {})",
+                                         hash->second, planned.told_by, planned.request_hash));
 }
 
 // Returns whether the file contains as many rows as its header says; nothing if the header does not say.
@@ -154,10 +154,19 @@ void tighten_as_planned(const PlannedMotion& planned, Verification& v) {
 
 }  // namespace
 
+VerifyOptions as_asked_by(const Problem& request, PlannedMotion of_plan, const Trajectory& trajectory) {
+  VerifyOptions options;
+  options.payload = request.robot.payload;
+  options.proven = request.proven;
+  options.robust = request.robust;
+  options.planned = requested_motion(request, std::move(of_plan), trajectory);
+  return options;
+}
+
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
                     const VerifyOptions& options) {
   Verification v{robot, {}, planned_with(trajectory.metadata, source), {}, {}, {}};
-  settle_payload(options.payload, options.planned.payload, v);
+  settle_payload(options.payload, options.planned, v);
   v.limits = Limits::of(v.robot);
   tighten(v);
   tighten_as_planned(options.planned, v);

@@ -31,6 +31,10 @@ struct VerifyOptions {
   PlannedMotion planned{};  // empty if it is not known
 };
 
+// Returns the options under which a trajectory is certified only if it does what a request asks, in its robot, with
+// what the request wants proven and robust. of_plan: as in requested_motion(), which also says what is thrown.
+VerifyOptions as_asked_by(const Problem& request, PlannedMotion of_plan, const Trajectory& trajectory);
+
 // source: name of the trajectory in messages. Throws InputError if its header does not have the form of planned_with().
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
                     const VerifyOptions& options = {});

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "common/input_error.h"
@@ -152,12 +154,41 @@ Planned load(const fs::path& folder) {
   return plan;
 }
 
-// A plan, or a trajectory file, against a robot; of a plan without one its own.
-std::string verify_trajectory(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
-                              const std::optional<Joints<double>>& payload, bool proven) {
-  const nb::gil_scoped_release others_may_run;
-  const auto given = payload ? std::optional(Payload{(*payload)[0], (*payload)[1]}) : std::nullopt;
-  return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given, proven})));
+// Rows to be certified, and what is known of the motion that they claim to be.
+struct Claimed {
+  const Trajectory& trajectory;
+  std::string source;  // for messages
+  PlannedMotion of_plan;
+};
+
+std::string verify_against_robot(Claimed claimed, const Robot& robot, const std::optional<Joints<double>>& payload,
+                                 bool proven) {
+  VerifyOptions options;
+  if (payload) options.payload = Payload{(*payload)[0], (*payload)[1]};
+  options.proven = proven;
+  options.planned = std::move(claimed.of_plan);
+  return json_text(
+      verification_json(claimed.trajectory, verify(claimed.trajectory, claimed.source, robot.parameters, options)));
+}
+
+std::string verify_against_request(Claimed claimed, const Asked& asked, bool proven) {
+  const Problem request = problem_of(asked);
+  VerifyOptions options = as_asked_by(request, std::move(claimed.of_plan), claimed.trajectory);
+  options.proven = options.proven || proven;
+  return json_text(
+      verification_json(claimed.trajectory, verify(claimed.trajectory, claimed.source, request.robot, options)));
+}
+
+Claimed claimed_by(const Planned& plan) {
+  return {trajectory_of(plan), plan.record.source, planned_motion_in(plan.record.plan, plan.record.source)};
+}
+
+// Calls verify(claimed) with the rows of a file, or of the folder of a plan with what its plan.json says of them.
+template <class Verify>
+std::string with_claimed_in(const fs::path& path, const Verify& verify) {
+  const bool is_folder = fs::is_directory(path);
+  const Trajectory trajectory = read_csv(is_folder ? path / "trajectory.csv" : path);
+  return verify(Claimed{trajectory, path.string(), is_folder ? planned_motion(path) : PlannedMotion{}});
 }
 
 nb::dict simulate_on(const Planned& plan, const Robot* arm, ControlMode control, double hold) {
@@ -232,9 +263,18 @@ void add_plan(nb::module_& module) {
       .def(
           "verify",
           [](const Planned& plan, const Robot& robot, const std::optional<Joints<double>>& payload, bool proven) {
-            return verify_trajectory(trajectory_of(plan), plan.record.source, robot.parameters, payload, proven);
+            return verify_against_robot(claimed_by(plan), robot, payload, proven);
           },
-          nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"))
+          nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"), nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "verify_request",
+          [](const Planned& plan, std::optional<std::string> text, std::string source, fs::path folder,
+             const Robot* robot, bool proven) {
+            return verify_against_request(claimed_by(plan),
+                                          {std::move(text), std::move(source), std::move(folder), robot}, proven);
+          },
+          nb::arg("text").none(), nb::arg("source"), nb::arg("folder"), nb::arg("robot").none(), nb::arg("proven"),
+          nb::call_guard<nb::gil_scoped_release>())
       .def("simulate", simulate_on, nb::arg("arm").none(), nb::arg("control"), nb::arg("hold"));
 
   module.def(
@@ -265,10 +305,22 @@ void add_plan(nb::module_& module) {
   });
   module.def(
       "verify_file",
-      [](const fs::path& file, const Robot& robot, const std::optional<Joints<double>>& payload, bool proven) {
-        return verify_trajectory(read_csv(file), file.string(), robot.parameters, payload, proven);
+      [](const fs::path& path, const Robot& robot, const std::optional<Joints<double>>& payload, bool proven) {
+        return with_claimed_in(
+            path, [&](Claimed claimed) { return verify_against_robot(std::move(claimed), robot, payload, proven); });
       },
-      nb::arg("file"), nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"));
+      nb::arg("path"), nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"),
+      nb::call_guard<nb::gil_scoped_release>());
+  module.def(
+      "verify_file_request",
+      [](const fs::path& path, std::optional<std::string> text, std::string source, fs::path folder, const Robot* robot,
+         bool proven) {
+        const Asked asked{std::move(text), std::move(source), std::move(folder), robot};
+        return with_claimed_in(
+            path, [&](Claimed claimed) { return verify_against_request(std::move(claimed), asked, proven); });
+      },
+      nb::arg("path"), nb::arg("text").none(), nb::arg("source"), nb::arg("folder"), nb::arg("robot").none(),
+      nb::arg("proven"), nb::call_guard<nb::gil_scoped_release>());
 }
 
 }  // namespace fjr::python

@@ -120,6 +120,24 @@ def test_what_is_proven_agrees_with_what_is_computed(reach_files):
     assert fjr.verify(reach_files / "trajectory.csv").to_dict()["proof"] is None  # which takes longer
 
 
+def test_verify_holds_a_plan_against_its_task_and_against_a_request(tmp_path):
+    asked = {"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}, "obstacles": [{"center": [0.085, -0.7], "radius": 0.02}]}
+    plan = fjr.plan(asked)
+    plan.save(tmp_path / "plan")
+    wider = asked | {"obstacles": [{"center": [0.085, -0.7], "radius": 0.07}], "goal": {"q": [0.4, -0.31]}}
+    for trajectory in (plan, tmp_path / "plan"):
+        assert len(fjr.verify(trajectory).to_dict()["task"]) == 2  # both links
+        assert fjr.verify(trajectory, request=asked).certified
+        other = fjr.verify(trajectory, request=wider)
+        assert any("obstacles[0] (link 2) is missed" in failure for failure in other.failures)
+        assert "the last row is not the goal" in other.failures
+    assert fjr.verify(tmp_path / "plan" / "trajectory.csv", request=asked).certified
+    with pytest.raises(ValueError, match="the payload is the request's"):
+        fjr.verify(plan, request=asked, payload=0.1)
+    with pytest.raises(fjr.BadInput, match="goal.q"):
+        fjr.verify(plan, request=asked | {"goal": {"q": [9, 0]}})
+
+
 def test_verify_says_what_is_wrong(reach, reach_files, tmp_path):
     lines = (reach_files / "trajectory.csv").read_text().splitlines()
     short = tmp_path / "short.csv"

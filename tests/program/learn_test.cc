@@ -323,7 +323,7 @@ TEST_F(LearnCommand, RowsWithoutTheirLimitsAreBadInput) {
   const Result edited = run({"learn", "out", "run.csv", "--out", "next"});
   EXPECT_EQ(edited.exit_code, 2);
   EXPECT_THAT(edited.err, AllOf(HasSubstr("out/trajectory.csv: # limits.torque: does not say that torque of joint 1"),
-                                HasSubstr("limited to 10 N m, as plan.json does")));
+                                HasSubstr("limited to 10 N m, as its request does")));
 }
 
 TEST_F(LearnCommand, WhatIsNoPlanIsBadInput) {

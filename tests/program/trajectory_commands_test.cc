@@ -8,6 +8,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planner/trajectory/trajectory.h"
@@ -140,6 +141,43 @@ TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstItsTask) {
   EXPECT_THAT(missed.out, HasSubstr("obstacles[0] (link 1) is missed by"));
 }
 
+// A plan.json can be edited; the request that somebody has kept cannot.
+TEST_F(Cli, VerifyHoldsRowsAgainstARequestWhateverPlanJsonSays) {
+  const std::string from_to = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\n";
+  write("move.yaml", from_to + "via: [{q: [0.2, 0.25]}]\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
+  const auto verify = [&](const std::string& trajectory, const std::string& more) {
+    write("asked.yaml", from_to + more);
+    return run({"verify", trajectory, "--request", "asked.yaml"});
+  };
+  EXPECT_EQ(run({"verify", "out", "--request", "move.yaml"}).exit_code, 0);
+
+  const Result less = verify("out", "");  // a motion by way of a point also goes from start to goal
+  EXPECT_EQ(less.exit_code, 0);
+  EXPECT_THAT(less.out, HasSubstr("certified against the robot's limits, and as asked.yaml asks ("));
+  EXPECT_THAT(less.err, HasSubstr("planned for another request"));
+  EXPECT_EQ(verify("out/trajectory.csv", "").exit_code, 0);
+
+  const std::vector<std::pair<std::string, std::string>> missed = {
+      {"via: [{q: [0.2, 0.26]}]\n", "via point 1 is missed"},
+      {"duration: {max: 0.1}\n", "the motion takes"},
+      {"limits: {tip_speed: 0.5}\n", "tip_speed"},
+      {"payload: {mass: 0.3}\n", "payload 0.3 kg"},
+      {"obstacles: [{center: [0.23, -0.66], radius: 0.035}]\n", "obstacles[0] (link 2) is missed"},
+  };
+  for (const auto& [more, told] : missed) {
+    const Result result = verify("out", more);
+    EXPECT_EQ(result.exit_code, 4) << more;
+    EXPECT_THAT(result.out, HasSubstr(told));
+  }
+
+  const Result unknown = run({"verify", "out/trajectory.csv", "--request", "move.yaml"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("move: via[0].time: is free, and no plan.json with as many via points says"));
+  EXPECT_EQ(run({"verify", "out", "--request", "move.yaml", "--payload", "0.1"}).exit_code, 2);
+  EXPECT_THAT(verify("out", "robot: none.yaml\n").err, HasSubstr("asked.yaml: robot: no such file"));
+}
+
 TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {
   Trajectory trajectory = at_rest();
   trajectory.metadata["request_hash"] = "abc";
@@ -171,7 +209,7 @@ TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstTheRequest) {
   };
   EXPECT_THAT(failure([](Json& r) { r["limits"]["torque"] = {5.0, 4.0}; }), HasSubstr("torque of joint 1 reaches"));
   EXPECT_THAT(failure([](Json& r) { r["limits"]["tip_speed"] = 0.1; }),
-              HasSubstr("the file does not say that tip_speed was limited to 0.1 m/s, as plan.json does"));
+              HasSubstr("the file does not say that tip_speed was limited to 0.1 m/s, as its request does"));
   EXPECT_THAT(failure([](Json& r) { r["start"]["q"][0] = 0.301; }), HasSubstr("the first row is not the start"));
   EXPECT_THAT(failure([](Json& r) { r["goal"]["q"][1] = 0.141; }), HasSubstr("the last row is not the goal"));
   EXPECT_THAT(failure([](Json& r) { r["duration"]["max"] = 0.05; }), HasSubstr("the motion takes"));

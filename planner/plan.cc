@@ -49,7 +49,7 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
   o.jobs = threads_for(options);
   o.most_work = most_work(problem, options);
   o.budget_factor = o.most_work / PlanOptions{}.most_work;
-  o.objective_scale = size_of(problem.weights);
+  o.objective_scale = objective_scale(problem.weights);
   o.cancelled = options.cancelled;
   o.on_progress = options.on_progress;
   return o;

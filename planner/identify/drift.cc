@@ -27,7 +27,7 @@ constexpr int kLooks = 3;             // largest number of linearisations per mo
 constexpr double kSameSlopes = 0.01;  // in z; a smaller move of the expansion point changes slopes by less than 1e-4
 constexpr double kMostLog = 700;      // largest exponent for which exp() does not overflow
 
-double size_of(const Parameters& robot, const std::string& name, double otherwise) {
+double usual_deviation(const Parameters& robot, const std::string& name, double otherwise) {
   if (name == "payload.mass") return kPayloadUnit;
   Parameters p = robot;
   const double value = std::abs(*parameter_named(p, name));
@@ -62,7 +62,7 @@ DriftParameters drift_parameters(const Parameters& robot) {
   for (Index i = 0; i < n; ++i) {
     const std::string& name = all.of.names[static_cast<std::size_t>(i)];
     const auto place = std::find(usual.names.begin(), usual.names.end(), name) - usual.names.begin();
-    all.of.deviation[i] = size_of(robot, name, usual.deviation[place]);
+    all.of.deviation[i] = usual_deviation(robot, name, usual.deviation[place]);
   }
   all.of.factor = all.of.deviation.asDiagonal();
   return all;

@@ -1,7 +1,5 @@
 #include "planner/ocp/objective.h"
 
-#include <type_traits>
-
 #include "planner/certificate/robust/tracking_error.h"
 #include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
@@ -29,12 +27,6 @@ double integral_over(const Parameters& robot, const Trajectory& trajectory) {
   }
   return sum;
 }
-
-// Whether a term can be computed from samples alone. du/dt needs the motion, and the tip speed the time of the release.
-// Terms of the closed loop are excluded because they take long; objective_terms() computes them if they have a weight.
-template <class Term>
-constexpr bool kOfRows =
-    !std::is_same_v<Term, TorqueRate> && !std::is_same_v<Term, TipSpeed> && !Term::info.of_closed_loop;
 
 // Returns the values of the terms for which wanted(weight) is true.
 template <class Wanted>
@@ -69,7 +61,8 @@ std::map<std::string, double> terms_of_rows(const Parameters& robot, const Traje
   std::map<std::string, double> values;
   Terms::visit([&](auto term) {
     using Term = decltype(term);
-    if constexpr (!kOfRows<Term>) {
+    // Terms of the closed loop take long; objective_terms() computes them if they have a weight.
+    if constexpr (!Term::info.of_rows || Term::info.of_closed_loop) {
       return;
     } else if constexpr (requires { term.published(published); }) {
       values[term.info.name] = term.published(published);

@@ -59,7 +59,7 @@ double TipSpeed::published(const Published& p) {
 }
 
 bool has_peak(const Weights& weights) {
-  return weights.peak_torque > 0 && weights.peak_torque * PeakTorque::info.size >= size_of(weights);
+  return weights.peak_torque > 0 && weights.peak_torque * PeakTorque::info.size >= objective_scale(weights);
 }
 
 bool sees_friction(const Weights& weights) {
@@ -100,7 +100,7 @@ int starts_worth_trying(const Weights& weights) {
   return least == std::numeric_limits<int>::max() ? 1 : least;
 }
 
-double size_of(const Weights& weights) {
+double objective_scale(const Weights& weights) {
   double size = 0;
   for (const TermInfo& term : Terms::infos) size = std::max(size, weights.*term.weight * term.size);
   return size;

@@ -44,6 +44,7 @@ struct TermInfo {
   bool settles_torque = false;     // strictly convex in tau_m or du/dt: the optimal torque needs no regularisation
   bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
+  bool of_rows = true;  // false: published() needs the motion behind the rows, or the time of a release
   // Set for the first terms only, which are hashed and reported in plan.json even with a weight of zero. Others are
   // not, because each new one would change the hashes of all earlier requests.
   bool of_first_version = false;
@@ -127,6 +128,7 @@ struct TorqueRate {
       .size = 1e4,
       .starts = 4,
       .settles_torque = true,
+      .of_rows = false,
       .of_first_version = true};
   static double published(const Published& p);
 };
@@ -223,6 +225,7 @@ struct TipSpeed {
                                  .weight = &Weights::tip_speed,
                                  .starts = 8,
                                  .reward = true,
+                                 .of_rows = false,
                                  .of_first_version = true};
   static constexpr Node node = Node::kRelease;
   // [m/s] Smoothing of the speed's corner at rest. The term stays monotone in the speed.
@@ -310,6 +313,6 @@ Weights without_closed_loop(Weights weights);
 // asks for; if there is none, the fewest above one that a weighted term asks for, or one.
 int starts_worth_trying(const Weights& weights);
 // Returns the largest product of a weight and the size of its term.
-double size_of(const Weights& weights);
+double objective_scale(const Weights& weights);
 
 }  // namespace fjr

@@ -12,7 +12,6 @@ namespace fjr {
 namespace {
 
 constexpr double kMostTimes = 20;  // times a limit: nobody would build a robot beyond that
-constexpr double kBoxSize = 0.1;   // [m] size to which fractions of a box's growth refer
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
@@ -130,8 +129,7 @@ Problem relaxed(const Problem& problem, double fraction) {
   Problem result = problem;
   for (const Relaxable& r : relaxables(problem)) {
     if (r.kind == RelaxableKind::kVelocity) continue;
-    const double size = r.from > 0 ? r.from : kBoxSize;
-    r.set(result, r.value(std::min(r.most, fraction * size)));
+    r.set(result, r.value(std::min(r.most, fraction * r.size())));
   }
   return result;
 }

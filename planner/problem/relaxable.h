@@ -1,6 +1,7 @@
 // The numbers of a request that can be relaxed one by one: limits, obstacles, regions, paths, and requested velocities.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 namespace fjr {
 
 struct ConstraintInfo;
+
+inline constexpr double kLeastSize = 0.1;  // [m, rad, N m, ...] for values that are given as zero or nearly
 
 // Kinds of numbers that can be relaxed. The search for the least change also uses the last two
 // (search/explain/explain.h).
@@ -44,6 +47,7 @@ struct Relaxable {
   // The limits, by index, and then rows of the task that it relaxes; empty for a velocity and for all limits.
   std::vector<std::size_t> indices{};
 
+  double size() const { return std::max(from, kLeastSize); }  // in its unit; fractions of a change refer to it
   double value(double amount) const { return from + sign * amount; }
   Problem relaxed(Problem problem, double amount) const {
     set(problem, value(amount));

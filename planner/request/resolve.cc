@@ -130,7 +130,7 @@ Weights resolve_weights(const Request& request, const Parameters& robot, const D
   const Weights all = checked_weights(place, std::get<Weights>(*request.objective));
   if (all.tracking > 0 && uncertainty_of(robot).none()) place.at("tracking").fail(kNothingUncertain);
   const Weights weights = without_closed_loop(all);
-  if (size_of(weights) == 0) {
+  if (objective_scale(weights) == 0) {
     place.at("tracking")
         .fail("needs another term beside it, which says what it is traded for; add time: 1 or effort: 1");
   }

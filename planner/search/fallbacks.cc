@@ -261,7 +261,7 @@ Folded swing_up_folded(const SharedProblem& problem, double longest, Session& se
   Problem in_time = *problem;
   in_time.duration.max = longest;
   const auto bounded = std::make_shared<const Problem>(std::move(in_time));
-  const Limits surely = torque.relaxed(*problem, s.reported_deficit * size_of(torque)).limits;
+  const Limits surely = torque.relaxed(*problem, s.reported_deficit * torque.size()).limits;
   for (const double periods : s.durations) {
     const double duration = std::max(periods * period, problem->duration.min);
     if (duration > longest || session.interrupted()) break;
@@ -281,7 +281,7 @@ Folded swing_up_folded(const SharedProblem& problem, double longest, Session& se
     return {{std::move(motion), surely}, true};
   }
   if (least == kNoLimit) return {};
-  return {{std::nullopt, torque.relaxed(*problem, least * size_of(torque)).limits}, false};
+  return {{std::nullopt, torque.relaxed(*problem, least * torque.size()).limits}, false};
 }
 
 }  // namespace

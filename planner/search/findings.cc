@@ -27,7 +27,7 @@ std::vector<std::shared_ptr<const Problem>> alternatives_of(const Problem& asked
 
 Findings::Findings(const Problem& request, const FollowSettings& settings)
     : asked(request),
-      scale(size_of(request.weights)),
+      scale(objective_scale(request.weights)),
       alternatives(alternatives_of(request, scale)),
       start_iterations(settings.iterations) {}
 

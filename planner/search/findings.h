@@ -50,7 +50,7 @@ struct Findings {
   explicit Findings(const Problem& asked, const FollowSettings& settings = {});
 
   const Problem& asked;  // outlives this
-  double scale;          // of the objective: what is optimised is divided by it, see size_of(Weights)
+  double scale;          // of the objective: what is optimised is divided by it, see objective_scale()
   std::vector<std::shared_ptr<const Problem>>
       alternatives;  // problems that are optimised: one for each goal that is allowed
 

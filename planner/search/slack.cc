@@ -10,7 +10,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;     // [m, rad, ...] least size, for values that are given as zero or nearly
 constexpr double kDifference = 1e-6;  // step by which a region's bounds are differentiated
 
 bool is_obstacle(const Relaxable& what) { return what.constraint == &kInfo<Disc>; }
@@ -38,7 +37,7 @@ void relax_rows(const Problem& problem, const Relaxable& what, std::vector<doubl
     const double moved = rows[r].number - after[r].number;  // value() counts from there
     const double below = rows[r].lower - after[r].lower + moved, above = after[r].upper - rows[r].upper - moved;
     const double more = std::isfinite(below) ? below : above;
-    direction[kLimits + r] += more / kDifference * size_of(what);
+    direction[kLimits + r] += more / kDifference * what.size();
   }
 }
 
@@ -52,7 +51,7 @@ void relax(const Problem& problem, const Relaxable& what, std::vector<double>& d
     return;
   }
   if (what.kind == RelaxableKind::kLimit) {
-    direction[what.indices.front()] += size_of(what);
+    direction[what.indices.front()] += what.size();
   } else {
     relax_rows(problem, what, direction);
   }
@@ -69,8 +68,6 @@ Problem with_unused_slack(const Problem& problem, double time_weight) {
 
 }  // namespace
 
-double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
-
 Problem with_slack(const Problem& problem, const Relaxable& what, const SlackSettings& settings) {
   Problem result = with_unused_slack(problem, settings.time_weight);
   Slack& slack = *result.variation.slack;
@@ -79,7 +76,7 @@ Problem with_slack(const Problem& problem, const Relaxable& what, const SlackSet
     slack.most = 1;
   } else {
     relax(problem, what, slack.direction);
-    slack.most = is_obstacle(what) ? 1 : std::min(settings.most, what.most / size_of(what));
+    slack.most = is_obstacle(what) ? 1 : std::min(settings.most, what.most / what.size());
   }
   return result;
 }
@@ -99,7 +96,7 @@ Problem with_larger_time_weight(Problem with_slack, const SlackSettings& setting
 }
 
 double value_with(const Problem& problem, const Relaxable& what, double slack) {
-  if (!is_obstacle(what)) return what.value(slack * size_of(what));
+  if (!is_obstacle(what)) return what.value(slack * what.size());
   double value = what.from;
   for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
     if (row.constraint != what.number) continue;

@@ -1,4 +1,5 @@
 // Requests that are written and read again, their hashes, and texts that are damaged.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <random>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -143,11 +145,13 @@ TEST(RequestHash, DependsOnWhatIsMeantAndNotOnHowItIsWritten) {
 struct ChangedKey {
   std::string key, text, value, other;
 
-  std::string hash(const std::string& with) const {
+  std::string having(const std::string& with) const {
     std::string yaml = text;
-    yaml.replace(yaml.find('@'), 1, with);
+    return yaml.replace(yaml.find('@'), 1, with);
+  }
+  std::string hash(const std::string& with) const {
     try {
-      return parse(yaml).request_hash;
+      return parse(having(with)).request_hash;
     } catch (const InputError& error) {
       ADD_FAILURE() << key << ": " << with << " is refused: " << error.what();
       return "";
@@ -280,6 +284,36 @@ TEST(RequestHash, DependsOnEveryKey) {
     EXPECT_TRUE(std::any_of(changed.begin(), changed.end(), [&](const ChangedKey& of) { return of.key == line.name; }))
         << "no request here has another value of " << line.name;
   }
+}
+
+// The list of keys says which values are allowed: they are those that requests are not refused for.
+TEST(Keys, SayWhichValuesAreAllowed) {
+  const std::regex range("(?:([0-9.e-]+) to |up to )([0-9.e-]+)(?:;.*)?");
+  const auto is_outside = [](const ChangedKey& of, const KeyLine& line, double value) {
+    const bool is_pair = of.value.front() == '[';
+    const std::string name = std::regex_replace(of.key, std::regex(R"(\[\])"), "[0]") + (is_pair ? "[0]" : "");
+    const std::string error = error_of(of.having(is_pair ? fmt::format("[{}, 0]", value) : fmt::format("{}", value)));
+    if (error.find("is outside [") == std::string::npos) return false;
+    EXPECT_TRUE(error.starts_with(fmt::format("request.yaml: {}: ", name))) << error << ", " << line.allowed;
+    return true;
+  };
+  int ranges = 0;
+  const std::vector<ChangedKey> changed = changed_keys();
+  for (const KeyLine& line : all_keys()) {
+    std::smatch found;
+    if (!std::regex_match(line.allowed, found, range)) continue;
+    ++ranges;
+    const auto of =
+        std::find_if(changed.begin(), changed.end(), [&](const ChangedKey& c) { return c.key == line.name; });
+    ASSERT_NE(of, changed.end()) << line.name;
+    const double most = std::stod(found[2]), least = found[1].matched ? std::stod(found[1]) : -most;
+    for (const double allowed : {least, most})
+      EXPECT_FALSE(is_outside(*of, line, allowed)) << line.name << ": " << allowed;
+    const double beyond = 1e-6 * most;
+    EXPECT_TRUE(is_outside(*of, line, least - beyond)) << line.name << ": " << line.allowed;
+    EXPECT_TRUE(is_outside(*of, line, most + beyond)) << line.name << ": " << line.allowed;
+  }
+  EXPECT_GE(ranges, 20);
 }
 
 // There is no key without influence; but some values of a key mean the same.

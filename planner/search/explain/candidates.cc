@@ -55,7 +55,7 @@ std::vector<Candidate> active_in(const Continuation& fastest, const ExplanationS
     for (const ShadowPrice& limit : analysis.sensitivity.limits) {
       const bool same = std::count(what.indices.begin(), what.indices.end(), limit.index) > 0;
       if (!same || limit.price <= 0) continue;
-      candidate.weight += limit.price * size_of(what) / fastest.problem()->weights.time;
+      candidate.weight += limit.price * what.size() / fastest.problem()->weights.time;
       for (const auto& stretch : limit.active) {
         if (stretch.end - stretch.begin <= longest) continue;
         longest = stretch.end - stretch.begin;

@@ -25,7 +25,7 @@ void drop_weak(std::vector<Candidate>& single, const Explanation& e) {
   const double missing = e.shortest() - e.problem.duration.max;  // [s]
   std::erase_if(single, [&](const Candidate& c) {
     const double least_change = missing / c.weight;  // as a fraction of the limit's size
-    const double allowed = c.what.allowed / size_of(c.what);
+    const double allowed = c.what.allowed / c.what.size();
     const double most = std::clamp(allowed, e.settings().large_change, e.slack_settings().most);
     return c.what.kind == RelaxableKind::kLimit && least_change > most;
   });

@@ -67,7 +67,7 @@ Relaxation verified(const Explanation& e, const Relaxable& what, Relaxation name
 // Returns a change with which planning succeeds, if hardly any is needed and still no plan was found.
 std::optional<Relaxation> eased(const Explanation& e, const Relaxable& what, const Guess& near, Search& search) {
   for (const double fraction : e.settings().trials) {
-    const double amount = fraction * size_of(what);
+    const double amount = fraction * what.size();
     if (amount > what.allowed || e.known.fastest != nullptr || search.over()) break;
     const Relaxation tried = relaxation_of(what, what.value(amount));
     Problem easier = e.problem;
@@ -136,7 +136,7 @@ bool relax_each(Explanation& e, const std::vector<Candidate>& candidates, const 
 
 void keep_within_robot(std::vector<Candidate>& single, double slack) {
   std::erase_if(single, [&](const Candidate& c) {
-    return c.what.kind == RelaxableKind::kLimit && c.what.allowed < slack * size_of(c.what);
+    return c.what.kind == RelaxableKind::kLimit && c.what.allowed < slack * c.what.size();
   });
 }
 

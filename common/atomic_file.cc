@@ -30,24 +30,46 @@ int write_all(int descriptor, std::string_view text) {
   return 0;
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
 // Flushes the folder of a file to the disk, because a rename is on the disk only when the folder is. Returns 0 or
 // errno.
 int synchronise_folder(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int descriptor = ::open(folder_of(file).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return errno;
   const int error = ::fsync(descriptor) == 0 ? 0 : errno;
   ::close(descriptor);
   return error;
 }
 
-void replace(const std::filesystem::path& file, std::string_view text, bool durably) {
-  const std::string temporary = temporary_beside(file).string();
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) throw cannot_write(file, errno);
+// Returns 0 or errno.
+int write_and_close(int descriptor, std::string_view text, bool durably) {
   int error = write_all(descriptor, text);
   if (error == 0 && durably && ::fsync(descriptor) != 0) error = errno;
-  if (::close(descriptor) != 0 && error == 0) error = errno;
+  return ::close(descriptor) != 0 && error == 0 ? errno : error;
+}
+
+// Writes a file that has no name until it is complete, so that nothing is left behind by a process that is killed.
+// Returns false where the file system or the lack of /proc does not allow that, or the disk is full.
+bool write_unnamed(const std::string& temporary, std::string_view text) {
+  const int descriptor = ::open(folder_of(temporary).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, 0666);
+  if (descriptor < 0) return false;
+  const std::string unnamed = fmt::format("/proc/self/fd/{}", descriptor);
+  bool written = write_all(descriptor, text) == 0;
+  written = written && ::linkat(AT_FDCWD, unnamed.c_str(), AT_FDCWD, temporary.c_str(), AT_SYMLINK_FOLLOW) == 0;
+  return ::close(descriptor) == 0 && written;
+}
+
+void replace(const std::filesystem::path& file, std::string_view text, bool durably) {
+  const std::string temporary = temporary_beside(file).string();
+  int error = 0;
+  if (durably || !write_unnamed(temporary, text)) {
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (descriptor < 0) throw cannot_write(file, errno);
+    error = write_and_close(descriptor, text, durably);
+  }
   if (error == 0 && std::rename(temporary.c_str(), file.c_str()) != 0) error = errno;
   if (error != 0) {
     ::unlink(temporary.c_str());

@@ -1,7 +1,9 @@
 // The parameters of the robot as plain numbers, and functions that read them.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -16,6 +18,13 @@ inline constexpr int kJoints = 2;
 // A quantity per joint: [0] is joint 1, [1] is joint 2.
 template <class T>
 using Joints = std::array<T, kJoints>;
+
+// Returns the largest difference, by its magnitude, of a joint's values.
+inline double largest_difference(const Joints<double>& a, const Joints<double>& b) {
+  double largest = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) largest = std::max(largest, std::abs(a[j] - b[j]));
+  return largest;
+}
 
 // A payload fixed to the tip: a mass, and an inertia about its own centre of mass if it is not a point mass.
 struct Payload {

@@ -21,9 +21,7 @@ namespace {
 constexpr double kMet = 1e-7;     // [rad], [rad/s]: a hundred times the optimiser's constraint tolerance
 constexpr double kPassed = 1e-5;  // [rad] between rows the interpolation of positions is good to 1e-6
 
-bool differ(const Joints<double>& a, const Joints<double>& b) {
-  return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])) > kMet;
-}
+bool differ(const Joints<double>& a, const Joints<double>& b) { return largest_difference(a, b) > kMet; }
 
 bool is_start(const State<double>& x, const State<double>& start) {
   return !differ(x.q, start.q) && !differ(x.dq, start.dq) && !differ(x.theta, start.theta) &&
@@ -183,11 +181,10 @@ void check_against_request(const Problem& problem, const std::vector<double>& en
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Via& via = problem.via[i];
     const State<double> x = at.at(ends[i]).state;
-    const double off = std::max(std::abs(x.q[0] - via.q[0]), std::abs(x.q[1] - via.q[1]));
+    const double off = largest_difference(x.q, via.q);
     const bool late = via.time && std::abs(ends[i] - *via.time) > kMet;
     if (late) fail(fmt::format("via point {} is passed at {:.6f} s instead of {:.6f} s", i + 1, ends[i], *via.time));
-    if (via.dq && std::max(std::abs(x.dq[0] - (*via.dq)[0]), std::abs(x.dq[1] - (*via.dq)[1])) >
-                      link_velocity_tolerance(problem.robot)) {
+    if (via.dq && largest_difference(x.dq, *via.dq) > link_velocity_tolerance(problem.robot)) {
       fail(fmt::format("via point {} is passed at another velocity", i + 1));
     }
     if (off > via.tolerance + kPassed) fail(fmt::format("via point {} is missed at {:.6f} s", i + 1, ends[i]));

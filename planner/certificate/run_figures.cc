@@ -21,9 +21,7 @@ void raise_to_distance(Joints<double>& largest, const Joints<double>& q, const J
   for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], std::abs(q[j] - from[j]));
 }
 
-double distance(const Joints<double>& q, const Joints<double>& from) {
-  return std::max(std::abs(q[0] - from[0]), std::abs(q[1] - from[1]));
-}
+double distance(const Joints<double>& q, const Joints<double>& from) { return largest_difference(q, from); }
 
 }  // namespace
 

@@ -80,19 +80,23 @@ class Client {
       }
       follow(duration);
       if (Patience::since(began) > options_.find && !port_.any_executor()) {
-        throw NoAnswer(
+        throw NoExecutionResult(
             fmt::format("the trajectory was published, but there is no executor on DDS domain {}: is `fjr "
                         "executor` running?",
-                        options_.network.domain));
+                        options_.network.domain),
+            std::move(answer.reply));
       }
       if (Patience::since(began) > duration + options_.execution) {
-        throw NoAnswer("the trajectory was published, but the executor has not reported: is it for the same robot?");
+        throw NoExecutionResult(
+            "the trajectory was published, but the executor has not reported: is it for the same robot?",
+            std::move(answer.reply));
       }
       port_.wait(std::chrono::milliseconds(20));
       (void)port_.take_replies();
       (void)port_.take_services();
     }
-    throw NoAnswer("the trajectory was published, and its execution goes on: it was not waited for");
+    throw NoExecutionResult("the trajectory was published, and its execution goes on: it was not waited for",
+                            std::move(answer.reply));
   }
 
   // Returns true if the request is cancelled and this client is not to stop the arm.
@@ -154,8 +158,8 @@ class Client {
                          options_.network.domain, *why);
     }
     return fmt::format(
-        "a service takes requests on DDS domain {} but has not answered for {:g} s: it hangs, or its version has other "
-        "types",
+        "a service takes requests on DDS domain {} but has not answered for {:g} s: it hangs, it was killed, or its "
+        "version has other types",
         options_.network.domain, options_.silence);
   }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planner/protocol/execution_messages.h"
@@ -23,6 +24,14 @@ class NoAnswer : public std::runtime_error {
 class NobodyAsked : public NoAnswer {
  public:
   using NoAnswer::NoAnswer;
+};
+
+// The request was solved and published, but no executor reported what became of the trajectory.
+class NoExecutionResult : public NoAnswer {
+ public:
+  NoExecutionResult(const std::string& sentence, Reply solved) : NoAnswer(sentence), reply(std::move(solved)) {}
+
+  Reply reply;
 };
 
 struct ExecutionProgress {
@@ -52,7 +61,8 @@ struct Answer {
 
 // Sends the order under its id and returns the final reply and, if it is to be executed, the result of the execution.
 // Throws NobodyAsked if it was cancelled before a service was found, NoAnswer if there is no service or none that
-// answers in time, and InputError if the document is not a request.
+// answers in time, NoExecutionResult if the result of the execution does not come, and InputError if the document is
+// not a request.
 Answer request_plan(const Order& order, const ClientOptions& options);
 
 // The latest state of every service (by instance) and executor (by robot) that was heard within `wait` [s]. While none

@@ -19,7 +19,7 @@ bool stands_still(const Sample& row) {
   return still(row.state.dq) && still(row.state.dtheta);
 }
 
-// Checks the tolerances; ones wider than the bounds would not protect the arm. Returns what is wrong, if anything.
+// Checks the tolerances. Returns what is wrong, if anything.
 std::optional<std::string> fault_of(const Tolerances& t) {
   std::optional<std::string> fault;
   const auto check = [&fault](const char* name, double value, double most) {

@@ -22,12 +22,9 @@ struct Situation {
   double oldest = 10;           // [s] largest accepted age of a trajectory since it was published
 };
 
-inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
 // [s] Shortest accepted time between two samples: a tenth of that at a jump of the torque. The longest is
 // kLongestSpacing.
 inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing;
-inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
-inline constexpr double kLongestGoalTime = 60;   // [s]
 inline constexpr double kClockDifference = 0.1;  // [s] between the planner's and the executor's machine
 
 // Why a trajectory is not run. refusal_of() returns nothing if it may run.

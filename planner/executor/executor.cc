@@ -455,6 +455,8 @@ void Executor::come_to_rest() {
     serve_without_orders();
   } while ((running_ || preparing_ || latest_.mode != ExecutorMode::kStopped) && Clock::now() - began < kPatience &&
            !over_);
+  if (running_ && !over_)
+    spdlog::error("id={} has not come to rest within {} s", text(running_->order.id), kPatience.count() / 1000);
   port_.flush(kFarewell);
 }
 

@@ -39,10 +39,10 @@ void read_path(const YamlNode& root, std::string_view key, const std::filesystem
 
 void read_tolerances(const YamlNode& node, Tolerances& to) {
   node.allow_keys({"path", "goal", "goal_time", "stopped_velocity"});
-  read_pair(node, "path", "rad", 1e-4, 1, to.path);
-  read_pair(node, "goal", "rad", 1e-4, 1, to.goal);
-  read_number(node, "goal_time", "s", 60, to.goal_time);
-  read_pair(node, "stopped_velocity", "rad/s", 1e-3, 10, to.stopped_velocity);
+  read_pair(node, "path", "rad", 1e-4, kWidestTolerance, to.path);
+  read_pair(node, "goal", "rad", 1e-4, kWidestTolerance, to.goal);
+  read_number(node, "goal_time", "s", kLongestGoalTime, to.goal_time);
+  read_pair(node, "stopped_velocity", "rad/s", 1e-3, kWidestTolerance, to.stopped_velocity);
 }
 
 EncoderFault fault_from(const YamlNode& node) {

@@ -93,8 +93,11 @@ void History::end(const RequestId& id, ResultCode code, const std::string& sente
 void History::write() const {
   std::string text = fmt::format("{}{}\n", kEpoch, epoch_);
   for (const Entry& entry : entries_) {
+    std::string sentence = entry.sentence;  // on one line
+    std::replace_if(
+        sentence.begin(), sentence.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
     const std::string code = entry.code ? std::to_string(static_cast<std::int32_t>(*entry.code)) : kUnended;
-    text += fmt::format("{} {} {} {}\n", client_name(entry.id), entry.id.number, code, entry.sentence);
+    text += fmt::format("{} {} {} {}\n", client_name(entry.id), entry.id.number, code, sentence);
   }
   write_file_durably(file_, text);
 }

@@ -77,12 +77,6 @@ Database opened(const fs::path& file, PlanLibrary::Access access) {
   return database;
 }
 
-double largest_difference(const Joints<double>& a, const Joints<double>& b) {
-  double largest = 0;
-  for (std::size_t j = 0; j < kJoints; ++j) largest = std::max(largest, std::abs(a[j] - b[j]));
-  return largest;
-}
-
 }  // namespace
 
 double distance(const Problem& a, const Problem& b) {

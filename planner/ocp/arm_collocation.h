@@ -30,6 +30,13 @@ inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int
 inline constexpr Features kSlackTask{.task_rows = 24, .slack = true};
 inline constexpr Features kSlackEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .slack = true};
 
+// Returns the number of the task's rows. Throws std::logic_error if the largest set of features has no room for them.
+inline std::size_t rows_with_room(const Task& task) {
+  const std::size_t rows = count_of_rows(task);
+  if (rows > kMostTaskRows) throw std::logic_error("kMostTaskRows is too small");
+  return rows;
+}
+
 // Calls visit<F>() with the smallest set of features that supports the problem.
 template <class Visit>
 auto with_features(const Problem& problem, Visit&& visit) {
@@ -37,7 +44,7 @@ auto with_features(const Problem& problem, Visit&& visit) {
   // du/dt is the control only if it is limited or penalised, because the two additional states cost time.
   const bool rate =
       problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
-  const std::size_t rows = count_of_rows(problem.task);
+  const std::size_t rows = rows_with_room(problem.task);
   const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
   const bool few = rows <= static_cast<std::size_t>(kWithTask.task_rows);
   if (!task && !peak && !rate) return visit.template operator()<kPlain>();
@@ -51,7 +58,7 @@ auto with_features(const Problem& problem, Visit&& visit) {
 template <class Visit>
 auto with_slack_features(const Problem& problem, Visit&& visit) {
   const Joints<double>& rate = problem.limits.torque_rate;
-  const bool few = count_of_rows(problem.task) <= static_cast<std::size_t>(kSlackTask.task_rows);
+  const bool few = rows_with_room(problem.task) <= static_cast<std::size_t>(kSlackTask.task_rows);
   if (few && rate[0] == kNoLimit && rate[1] == kNoLimit) return visit.template operator()<kSlackTask>();
   return visit.template operator()<kSlackEverything>();
 }

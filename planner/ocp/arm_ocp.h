@@ -375,7 +375,8 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   // that samples cannot represent. The regularisation selects a smooth one.
   if (!settles_torque(problem.weights)) {
     const Joints<double>& limit = problem.limits.torque;
-    ocp.regularisation = regularisation * objective_scale(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
+    ocp.regularisation =
+        regularisation * objective_scale(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
   if constexpr (F.slack) {
     std::copy(problem.variation.slack->direction.begin(), problem.variation.slack->direction.end(),

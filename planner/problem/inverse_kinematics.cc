@@ -11,10 +11,6 @@ constexpr double kSingular = 0.01;   // [rad] of q2 from 0 or pi
 constexpr double kSameElbow = 1e-6;  // [rad] below it both elbows are one, and tell no side
 constexpr double kRounding = 1e-8;   // of a cosine: tips on the edge of reach are within it
 
-double largest_difference(const Joints<double>& a, const Joints<double>& b) {
-  return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1]));
-}
-
 }  // namespace
 
 std::array<double, 2> reach(const Parameters& robot) {

@@ -82,6 +82,10 @@ bool has_reward(const Weights& weights) {
   return any_with(weights, [](const TermInfo& term) { return term.reward; });
 }
 
+bool has_closed_loop(const Weights& weights) {
+  return any_with(weights, [](const TermInfo& term) { return term.of_closed_loop; });
+}
+
 Weights without_closed_loop(Weights weights) {
   for (const TermInfo& term : Terms::infos) {
     if (term.of_closed_loop) weights.*term.weight = 0;

@@ -299,14 +299,16 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 }
 
 // Each returns whether a term with a weight: depends on friction; is strictly convex in the torque and so determines
-// it; depends on the links' accelerations; is a reward, which is maximised. has_peak(): no term has more weight, by its
-// size, than the largest torque; it depends on friction then. only_time(): no term but time has a weight.
+// it; depends on the links' accelerations; is a reward, which is maximised; is about the closed loop. has_peak(): no
+// term has more weight, by its size, than the largest torque; it depends on friction then. only_time(): no term but
+// time has a weight.
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool has_peak(const Weights& weights);
 bool only_time(const Weights& weights);
 bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
+bool has_closed_loop(const Weights& weights);
 // Returns the weights without those of the closed loop, which are not optimised together with the others.
 Weights without_closed_loop(Weights weights);
 // Returns how many starts are worth trying: the most that any weighted term which depends on friction, or is a reward,

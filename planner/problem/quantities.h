@@ -84,8 +84,8 @@ struct QuantityInfo {
   bool sees_torque = false;  // depends on tau_m
   bool squared = false;      // value() is the square of the limited quantity, because that has a corner at zero
   // Degree of value() as a polynomial between published rows, where torques are linear, velocities quadratic and
-  // positions cubic. Its extremes are then found exactly. 0: no polynomial, or of a higher degree; it is sampled every
-  // 0.25 ms.
+  // positions cubic: at most 3, for its extremes are found as those of a cubic. 0: no polynomial, or of a higher
+  // degree; it is sampled every 0.25 ms.
   int degree = 0;
   Leaving leaving = Leaving::kThere;
   InRollout in_rollout = InRollout::kOfPlan;
@@ -241,6 +241,9 @@ struct MotorPower {
 
 template <class... Quantity>
 struct QuantityList {
+  static_assert(((Quantity::info.degree >= 0 && Quantity::info.degree <= 3) && ...), "see QuantityInfo::degree");
+  static_assert((((Quantity::info.per_joint != nullptr) != (Quantity::info.of_tip != nullptr)) && ...),
+                "a quantity is per joint or of the tip");
   static constexpr std::array<std::reference_wrapper<const QuantityInfo>, sizeof...(Quantity)> infos{Quantity::info...};
   static constexpr std::size_t kLimits = (Quantity::info.count() + ...);
   // The index of a quantity's first limit.

@@ -119,6 +119,7 @@ Relaxable all_limits(const Problem& problem) {
   all.allowed = kMostTimes;
   const Limits robots = Limits::of(problem.robot);
   for (const LimitName& name : kLimitNames) {
+    if (name.quantity->place) continue;  // as above
     const double limit = name.in(problem.limits);
     if (std::isfinite(limit)) all.allowed = std::min(all.allowed, name.in(robots) / limit - 1);
   }

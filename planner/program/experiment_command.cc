@@ -160,7 +160,7 @@ void add_design(CLI::App& experiment, int& exit_code) {
   command->add_option("--candidates", options->candidates, "Planned for each motion, of which the best is taken")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Of the candidates")->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the candidates")->check(seed())->capture_default_str();
   command
       ->add_option("--widen", options->widen, "Take the standard errors of the robot file for so many times as large")
       ->check(between(1, 1000))
@@ -187,7 +187,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
       ->type_name("LOG.csv|DIR");
   command->add_flag("--ideal", options->ideal, "Without noise, quantisation and hysteresis; slow speeds included");
   command->add_flag("--slow", options->slow, "Include the slow speeds of motor friction without --ideal");
-  command->add_option("--seed", options->seed, "Seed of the noise; 1 without it");
+  command->add_option("--seed", options->seed, "Seed of the noise; 1 without it")->check(seed());
   command->add_option("--robot", options->robot, "The true arm; without it the robot.yaml shipped with fjr");
   command
       ->add_option("--rig", options->rig,

@@ -75,6 +75,15 @@ fs::path file_of(const ExportArguments& options, const ExportFormat& format, boo
                 : fs::path(input).replace_extension(fmt::format(".export{}", format.suffix));
 }
 
+Joints<std::string> checked_names(const ExportArguments& options, const ExportFormat& format) {
+  Joints<std::string> names{options.joint_names[0], options.joint_names[1]};
+  if (!format.has_joint_names) {
+    throw InputError("--joint-names", "", fmt::format("--format {} has no names of joints", format.name));
+  }
+  if (names[0] == names[1]) throw InputError("--joint-names", "", "the two names are the same");
+  return names;
+}
+
 void check_ticks(const PlanRecord& plan, double tick) {
   const double ticks = (plan.trajectory->end_time() - plan.trajectory->start_time()) / tick;
   if (ticks > static_cast<double>(kMostTicks)) {
@@ -113,7 +122,7 @@ int run(const ExportArguments& options) {
   } else {
     exported.log = read_log(options.input);
   }
-  if (!options.joint_names.empty()) exported.joint_names = {options.joint_names[0], options.joint_names[1]};
+  if (!options.joint_names.empty()) exported.joint_names = checked_names(options, format);
   const auto write_it = [&] { format.write(exported, file); };
   plan ? reading(plan->source, write_it) : write_it();
   fmt::print("{}\n", file.string());

@@ -360,7 +360,9 @@ void add_check(CLI::App& library, LibraryArguments& options) {
       ->check(between(0, 1))
       ->capture_default_str()
       ->type_name("X");
-  command->add_option("--seed", options.seed, "Of the sample and of the directions")->capture_default_str();
+  command->add_option("--seed", options.seed, "Of the sample and of the directions")
+      ->check(seed())
+      ->capture_default_str();
   command->add_option("--robot", options.robot, "robot.yaml for requests that name none; default: the shipped one")
       ->type_name("ROBOT.yaml");
   command->add_flag("--json", options.json, "Only JSON on stdout");

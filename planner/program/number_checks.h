@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <system_error>
 
 namespace fjr {
 
@@ -32,6 +35,17 @@ inline CLI::Validator positive() {
 
 inline CLI::Validator finite() {
   return number_that([](double) { return true; }, "that is finite", "");
+}
+
+// CLI11 takes -1 and what is too large for the largest number.
+inline CLI::Validator seed() {
+  const auto fault = [](const std::string& text) {
+    std::uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const bool read = error == std::errc() && end == text.data() + text.size();
+    return read ? std::string() : fmt::format("{} is not a whole number from 0 to 18446744073709551615", text);
+  };
+  return CLI::Validator(fault, "");
 }
 
 inline CLI::Validator not_negative() {

@@ -97,17 +97,21 @@ Order load_order(const RequestArguments& options) {
   return order;
 }
 
-// Returns the exit code of a reply. Some refusals are temporary and say nothing against the request.
-int exit_code_of(const Reply& reply) {
+// Returns whether the reply says nothing about the request: a refusal of the moment, or processes that died.
+bool has_failed(const Reply& reply) {
   switch (reply.why.reason) {
     case Reason::kQueueFull:
     case Reason::kArmNotAtRest:
     case Reason::kNoTrajectory:
-      return 1;
+    case Reason::kWorkerLost:
+      return true;
     default:
-      return exit_code(status_of(reply));
+      return false;
   }
 }
+
+const char* status_name(const Reply& reply) { return has_failed(reply) ? "failed" : name(status_of(reply)); }
+int exit_code_of(const Reply& reply) { return has_failed(reply) ? 1 : exit_code(status_of(reply)); }
 
 std::string reason_of(const Reply& reply) {
   return reply.why.field.empty() ? reply.why.sentence : reply.why.field + ": " + reply.why.sentence;
@@ -137,7 +141,7 @@ nlohmann::ordered_json json_of(const ExecutionResult& r) {
 std::string json_of(const Order& order, const Reply& reply) {
   if (!reply.plan_json.empty()) return reply.plan_json;
   auto json = bad_input_json(fs::path(order.name).stem().string(), reason_of(reply), reply.why.field);
-  json["status"] = name(status_of(reply));
+  json["status"] = status_name(reply);
   return json_text(json);
 }
 
@@ -150,14 +154,17 @@ std::string json_of(const Order& order, const Answer& answer) {
   return json_text(json);
 }
 
-// Returns one sentence on earlier results, where there are any.
-std::string store(const RequestArguments& options, const Order& order, const Reply& reply) {
-  if (options.out.empty()) return "";
-  const fs::path folder = options.out;
+struct Stored {
+  bool files = false;           // they are in the folder
+  std::string about_previous;   // a sentence on earlier results, where there are any
+  std::exception_ptr obstacle;  // why they could not be stored
+};
+
+Stored store_in(const fs::path& folder, const Order& order, const Reply& reply) {
   const PlanStatus status = status_of(reply);
-  if (status == PlanStatus::kBadInput) {
+  if (status == PlanStatus::kBadInput || has_failed(reply)) {
     const FolderLock lock(folder);
-    if (value_of_results(folder) != ResultValue::kNothing) return "";  // a refusal is nothing to make room for
+    if (value_of_results(folder) != ResultValue::kNothing) return {};  // a refusal is nothing to make room for
   }
   NewResults results(folder);
   if (!reply.rows.empty()) {
@@ -168,7 +175,17 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   }
   write_file(results.stage() / "plan.json", json_of(order, reply));
   const bool kept = results.publish();
-  return about_previous(folder, status, kept);
+  return {true, about_previous(folder, status, kept), nullptr};
+}
+
+// What became of the request, and of the arm, is told also where the files cannot be written.
+Stored store(const RequestArguments& options, const Order& order, const Reply& reply) {
+  if (options.out.empty()) return {};
+  try {
+    return store_in(options.out, order, reply);
+  } catch (...) {
+    return {false, "", std::current_exception()};
+  }
 }
 
 // Returns what was learnt for a repetition. wanted: a repetition was requested, so a motion as it was planned is
@@ -195,15 +212,15 @@ std::string about_repetition(const Reply& reply, bool wanted) {
   return text;
 }
 
-std::string summary(const RequestArguments& options, const Reply& reply, double elapsed) {
-  std::string text = fmt::format("{}: {}\n", source_of(options.request).stem().string(), name(status_of(reply)));
+std::string summary(const RequestArguments& options, const Reply& reply, double elapsed, bool has_files) {
+  std::string text = fmt::format("{}: {}\n", source_of(options.request).stem().string(), status_name(reply));
   if (!reply.rows.empty()) {
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
   }
   text += about_repetition(reply, options.repeat);
   text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
                       reply.solve_time, reply.wait_time, elapsed);
-  if (!options.out.empty()) {
+  if (has_files) {
     text += fmt::format("  files       {}{}\n",
                         reply.rows.empty() ? "" : fmt::format("{0}/trajectory.csv, {0}/trajectory.id, ", options.out),
                         (fs::path(options.out) / "plan.json").string());
@@ -250,13 +267,13 @@ Answer ask(const RequestArguments& options, const Order& order) {
 
 // Tells the answer, and what was before in the folder. Returns the exit code.
 int tell(const RequestArguments& options, const Order& order, const Answer& answer, double elapsed,
-         const std::string& before) {
+         const Stored& stored) {
   const Reply& reply = answer.reply;
   if (reply.state != ReplyState::kSolved) {
     say("fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
-  fmt::print("{}", options.json ? json_of(order, answer) : summary(options, reply, elapsed));
-  if (!before.empty()) say("fjr: {}\n", before);
+  fmt::print("{}", options.json ? json_of(order, answer) : summary(options, reply, elapsed, stored.files));
+  if (!stored.about_previous.empty()) say("fjr: {}\n", stored.about_previous);
   if (!answer.result) return exit_code_of(reply);
   if (!options.json) fmt::print("{}", summary(*answer.result));
   if (answer.result->code == ResultCode::kSuccessful) return 0;
@@ -269,18 +286,20 @@ int run(const RequestArguments& options) {
   const Order order = load_order(options);
   if (!options.out.empty()) prepare_folder(options.out);
   const auto began = std::chrono::steady_clock::now();
-  const Answer answer = ask(options, order);
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  std::string before;
-  std::exception_ptr not_stored;  // what became of the request, and of the arm, is told all the same
+  Answer answer;
+  std::string silence;  // why the result of the execution did not come; the plan is there all the same
   try {
-    before = store(options, order, answer.reply);
-  } catch (...) {
-    not_stored = std::current_exception();
+    answer = ask(options, order);
+  } catch (const NoExecutionResult& error) {
+    answer.reply = error.reply;
+    silence = error.what();
   }
-  const int code = tell(options, order, answer, elapsed, before);
-  if (not_stored) std::rethrow_exception(not_stored);
-  return code;
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  const Stored stored = store(options, order, answer.reply);
+  const int code = tell(options, order, answer, elapsed, stored);
+  if (!silence.empty()) say("fjr: {}\n", silence);
+  if (stored.obstacle) std::rethrow_exception(stored.obstacle);
+  return silence.empty() ? code : 1;
 }
 
 }  // namespace

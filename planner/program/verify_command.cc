@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/input_error.h"
 #include "common/say.h"
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/residual.h"
@@ -37,9 +38,17 @@ struct VerifyArguments {
   double robust = 0;  // 0: not asked for
 };
 
+struct OptionPlace {
+  [[noreturn]] void fail(const std::string& sentence) const { throw InputError("--payload", "", sentence); }
+};
+
 std::optional<Payload> payload_given(const VerifyArguments& options) {
   if (options.payload.empty()) return std::nullopt;
-  return Payload{options.payload[0], options.payload.size() > 1 ? options.payload[1] : 0};
+  const Payload payload{options.payload[0], options.payload.size() > 1 ? options.payload[1] : 0};
+  const OptionPlace place;
+  kPayloadMassBound.check(place, payload.mass);
+  kPayloadInertiaBound.check(place, payload.inertia);
+  return payload;
 }
 
 // Describes whether the arm rests at one end of the trajectory, which an executor requires at both.

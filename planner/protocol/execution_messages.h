@@ -21,6 +21,12 @@ struct Tolerances {
   Joints<double> stopped_velocity{};  // [rad/s]
 };
 
+// Wider tolerances, of a trajectory or of the executor's configuration, would not protect the arm.
+inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
+inline constexpr double kLongestGoalTime = 60;   // [s]
+// Executors accept trajectories whose first row is no further than this from where the links are. [rad]
+inline constexpr double kStartTolerance = 0.01;
+
 // Signature of a trajectory's publisher (planner/protocol/signature.h).
 struct Signature {
   std::string value;   // empty: not signed

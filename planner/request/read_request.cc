@@ -172,12 +172,14 @@ void read(const YamlNode& node, const char*, RequestedTip& tip) {
   TipByKind kinds;
   read_keys(node, kinds);
   int given = 0;
-  visit(kinds, [&](const Key&, auto& kind) {
+  std::vector<const char*> names;
+  visit(kinds, [&](const Key& key, auto& kind) {
+    names.push_back(key.name);
     if (!kind) return;
     ++given;
     tip = *kind;
   });
-  if (given != 1) node.fail("needs one of box, line, arc, and only one");
+  if (given != 1) node.fail(fmt::format("needs one of {}, and only one", fmt::join(names, ", ")));
 }
 
 void read(const YamlNode& node, const char* unit, RequestedDuration& duration) {

@@ -122,7 +122,7 @@ std::string request_hash(const Problem& problem) {
   });
   if (problem.longest_sample_period != kLongestSamplePeriod) lines.add_text("sample_period", "asked for");
   // The uncertainty influences these plans, but is not part of the robot's hash.
-  if (problem.robust || problem.weights.tracking > 0) {
+  if (problem.robust || has_closed_loop(problem.weights)) {
     const Uncertainty uncertainty = uncertainty_of(problem.robot);
     for (std::size_t i = 0; i < uncertainty.names.size(); ++i) {
       for (std::size_t j = 0; j <= i; ++j) {

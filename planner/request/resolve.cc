@@ -28,6 +28,7 @@ constexpr double kLargestWeight = 1e9;
 constexpr const char* kNothingUncertain =
     "the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain";
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
+constexpr double kSamePlace = 1e-9;  // [m] likewise
 constexpr double kNoMotion = 1e-6;   // [rad] accuracy of the angles computed for a tip position
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
 
@@ -305,7 +306,7 @@ std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const
 void check_reach(const Place& place, const Parameters& robot, const Joints<double>& tip) {
   const Joints<double> within = reach(robot);
   const double away = std::hypot(tip[0], tip[1]);
-  if (away >= within[0] - kSameAngle && away <= within[1] + kSameAngle) return;  // the tolerance is used in metres here
+  if (away >= within[0] - kSamePlace && away <= within[1] + kSamePlace) return;
   place.fail(fmt::format("[{}, {}] m is {:.6g} m from the base; the arm reaches from {:.6g} to {:.6g} m", tip[0],
                          tip[1], away, within[0], within[1]));
 }

@@ -22,15 +22,10 @@ using task::distance, task::kShortest;
 constexpr double kCornerFraction = 0.1;  // fraction of the tolerance within which corners are passed
 constexpr double kOnBound = 1e-6;        // fraction of a constraint's scale: as good as kept
 
-// Returns the place of a constraint in the request, where the regions of the tip are below `tip`.
-Place place_of(const Request& request, const char* key) {
-  const std::string_view name = key;
-  return name == "box" || name == "line" || name == "arc" ? Place{request, "tip"}.at(name) : Place{request, key};
-}
-
 void check_constraints(const Request& request, const Task& task) {
   visit_constraints(task, [&](const char* key, const auto& member) {
-    const Place place = place_of(request, key);
+    const char* const below = kInfo<typename std::decay_t<decltype(member)>::value_type>.below;
+    const Place place = below != nullptr ? Place{request, below}.at(key) : Place{request, key};
     if constexpr (requires { member.size(); }) {
       for (std::size_t i = 0; i < member.size(); ++i) check(member[i], place.at(i));
     } else if (member) {
@@ -96,9 +91,9 @@ std::optional<std::string> broken(const Problem& problem, std::size_t segment, c
                          row.is_distance() ? "beyond" : "inside", row.name);
     }
     if (row.kind == TaskRow::Kind::kAngles) return fmt::format("lies {:.4g} rad off the {}", -clearance, row.name);
-    const std::string region = row.name.substr(std::string_view("tip_").size());
-    return fmt::format("puts the tip at [{:.4g}, {:.4g}] m, {:.4g} m outside tip.{}", posture.tip.x, posture.tip.y,
-                       -clearance, region);
+    const std::string_view below = row.info->below;
+    return fmt::format("puts the tip at [{:.4g}, {:.4g}] m, {:.4g} m outside {}.{}", posture.tip.x, posture.tip.y,
+                       -clearance, below, row.name.substr(below.size() + 1));
   }
   return std::nullopt;
 }

@@ -437,7 +437,8 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   const bool moves = plan.trajectory.has_value();
   Json json = head(plan.status, plan.reason, problem.name);
   json["infeasibility"] = plan.infeasibility ? infeasibility_json(*plan.infeasibility) : Json(nullptr);
-  json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
+  json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)},
+                       {"terms", moves ? numbers(plan.terms) : Json::object()}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
   json["via_times"] = plan.via_times;
   json["mesh"] = mesh_json(plan);

@@ -96,6 +96,18 @@ void read_ends(const YamlNode& plan, PlannedMotion& planned) {
   if (!planned.via.empty()) ask(planned.via.size() + 1, "the way through the via points");
 }
 
+// Returns the values of a robot by their names, as far as they are there: spring.stiffness, ...
+std::map<std::string, Joints<double>> values_of(const YamlNode& robot) {
+  std::map<std::string, Joints<double>> values;
+  Parameters known;
+  visit_parameters(known, [&](const char* section, const char* name, const char* unit, const Joints<double>&) {
+    const auto group = robot.find(section);
+    const auto value = group ? group->find(name) : std::nullopt;
+    if (value && !value->is_null()) values.emplace(fmt::format("{}.{}", section, name), value->pair(unit));
+  });
+  return values;
+}
+
 // Returns when the segments end that a request asks for. [s] planned: as plan.json says; end: of the trajectory.
 std::vector<double> segment_ends(const Problem& request, const std::vector<double>& planned, double end) {
   if (request.via.size() + 1 == planned.size()) return planned;
@@ -120,6 +132,15 @@ PlannedMotion read_motion(const YamlNode& plan) {
     if (const auto payload = robot->find("payload")) {
       planned.payload = read_payload(*payload);
     }
+    planned.robot_values = values_of(*robot);
+  }
+  if (const auto proven = request.find("proven")) planned.proven = proven->truth();
+  if (const auto robust = request.find("robust"); robust && !robust->is_null()) {
+    const YamlNode confidence = robust->at("confidence");
+    planned.robust = confidence.number("1");
+    if (!(*planned.robust >= kLeastConfidence && *planned.robust <= kMostConfidence)) {
+      confidence.fail(fmt::format("{} is outside [{}, {}]", *planned.robust, kLeastConfidence, kMostConfidence));
+    }
   }
   if (const auto start = request.find("start")) planned.start = read_state(*start);
   if (const auto goal = request.find("goal")) planned.goals.push_back(read_goal(*goal));
@@ -136,6 +157,7 @@ PlannedMotion read_motion(const YamlNode& plan) {
   if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
   if (const auto hash = plan.find("robot_hash")) planned.robot_hash = hash->text();
   if (const auto status = plan.find("status")) planned.status = status->text();
+  if (const auto verdict = plan.find("verdict")) planned.verdict = verdict->text();
   read_ends(plan, planned);
   return planned;
 }
@@ -149,6 +171,8 @@ PlannedMotion planned_motion_in(const Json& plan, const std::string& source) {
        {"status", "request_hash", "robot_hash", "resolved_request", "robot", "via_times", "duration"}) {
     if (plan.is_object() && plan.contains(key)) relevant[key] = plan[key];
   }
+  const auto verdict = Json::json_pointer("/certificate/verdict");
+  if (plan.is_object() && plan.contains(verdict)) relevant["verdict"] = plan[verdict];
   return read_motion(YamlNode::parse(json_text(relevant), source));
 }
 
@@ -169,6 +193,10 @@ PlannedMotion requested_motion(const Problem& request, PlannedMotion of_plan, co
   motion.duration = request.duration;
   motion.payload = request.robot.payload;
   motion.via = request.via;
+  motion.proven = request.proven;
+  motion.robust = request.robust;
+  motion.robot_values = std::move(of_plan.robot_values);
+  motion.verdict = std::move(of_plan.verdict);
   motion.request_hash = request.request_hash;
   motion.told_by = fmt::format("the request {}", request.name);
   motion.robot_hash = std::move(of_plan.robot_hash);

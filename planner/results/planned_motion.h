@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -14,14 +15,18 @@ namespace fjr {
 
 struct PlannedMotion {
   Task task;
-  std::vector<double> ends;               // [s] of the motion's segments
-  Limits limits = Limits::all(kNoLimit);  // only those that are tighter than those of its robot
-  std::optional<State<double>> start{};   // empty if not given
-  std::vector<Goal> goals{};              // alternatives; empty if not given
-  Duration duration{0, kNoLimit};         // [s]
-  std::optional<Payload> payload{};       // none: not said
+  std::vector<double> ends;                              // [s] of the motion's segments
+  Limits limits = Limits::all(kNoLimit);                 // only those that are tighter than those of its robot
+  std::optional<State<double>> start{};                  // empty if not given
+  std::vector<Goal> goals{};                             // alternatives; empty if not given
+  Duration duration{0, kNoLimit};                        // [s]
+  std::optional<Payload> payload{};                      // none: not said
+  std::map<std::string, Joints<double>> robot_values{};  // spring.stiffness, ...: of the robot, as far as it is said
+  bool proven = false;                                   // asked for
+  std::optional<double> robust{};                        // fraction of the arms asked for
   std::vector<Via> via{};
   std::string request_hash{}, robot_hash{}, status{};  // empty: not said
+  std::string verdict{};                               // of its certificate: "certified", "failed"; empty: not said
   std::string told_by = "plan.json";                   // who says so, for messages
 };
 

@@ -12,9 +12,12 @@ namespace fjr {
 
 // The files that make up the results of a plan. Other files in the folder stay as they are. If files are moved one by
 // one, plan.json is moved last.
-inline constexpr std::array<const char*, 7> kResultFiles = {
-    "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", "report.html", "compared.html", "trajectory.id",
-    "plan.json"};
+inline constexpr std::array<const char*, 11> kResultFiles = {"trajectory.csv",   "trajectory.uncertified.csv",
+                                                             "solution.cbor",    "report.html",
+                                                             "compared.html",    "export.csv",
+                                                             "export.mat",       "export.mcap",
+                                                             "export.ros2.mcap", "trajectory.id",
+                                                             "plan.json"};
 // Returns whether a file of this name is one of them.
 bool is_result(const std::filesystem::path& name);
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced

@@ -11,6 +11,7 @@
 
 #include "common/parallel.h"
 #include "common/strict_yaml.h"
+#include "model/uncertainty.h"
 #include "planner/certificate/consistency.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/certificate/request_check.h"
@@ -67,12 +68,27 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
                                          planned_for->second, hash, v.header.payload ? "" : " or payload"));
 }
 
+// Adds a contradiction for each value of the robot that plan.json says otherwise, if it is meant to be the same robot.
+void compare_values(const PlannedMotion& planned, Verification& v) {
+  if (planned.robot_hash != robot_hash(v.robot)) return;  // compare_requests() and compare_robots() tell of that
+  visit_parameters(v.robot, [&](const char* section, const char* name, const char* unit, const Joints<double>& values) {
+    const std::string key = fmt::format("{}.{}", section, name);
+    const auto said = planned.robot_values.find(key);
+    if (said == planned.robot_values.end() || said->second == values) return;
+    v.contradictions.push_back(fmt::format("plan.json: robot.{} is [{}, {}], but the robot's [{}, {}] {} hold", key,
+                                           said->second[0], said->second[1], values[0], values[1], unit));
+  });
+}
+
 // Adds a contradiction if the rows were planned for another request than `planned` tells of, or if plan.json belongs to
 // a plan that is not certified.
 void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned, Verification& v) {
   const bool executable = plan_status(planned.status) == PlanStatus::kCertified || planned.status == kLearntStatus;
   if (!planned.status.empty() && !executable) {
     v.contradictions.push_back(fmt::format("plan.json says that the plan is {}", shown(planned.status)));
+  }
+  if (executable && planned.verdict == "failed") {
+    v.contradictions.push_back("plan.json says that the certificate failed, and that the plan is certified");
   }
   const auto robot = trajectory.metadata.find("robot_hash");
   if (!planned.robot_hash.empty() && robot != trajectory.metadata.end() && robot->second != planned.robot_hash) {
@@ -157,8 +173,6 @@ void tighten_as_planned(const PlannedMotion& planned, Verification& v) {
 VerifyOptions as_asked_by(const Problem& request, PlannedMotion of_plan, const Trajectory& trajectory) {
   VerifyOptions options;
   options.payload = request.robot.payload;
-  options.proven = request.proven;
-  options.robust = request.robust;
   options.planned = requested_motion(request, std::move(of_plan), trajectory);
   return options;
 }
@@ -172,13 +186,25 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   tighten_as_planned(options.planned, v);
   compare_robots(trajectory, v);
   compare_requests(trajectory, options.planned, v);
+  compare_values(options.planned, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
   const bool well_formed = !malformed(trajectory);  // otherwise that is the reason, and there are no rows to go by
   if (well_formed) check_against_planned(options.planned, trajectory, v);
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
-  if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
-  if (options.robust && well_formed) {
-    demand_robustness(v.robot, v.limits, task, trajectory, *options.robust, v.certificate, on_all_cores);
+  if (options.proven || options.planned.proven)
+    demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
+  std::optional<double> robust = options.robust;
+  if (!robust && options.planned.robust) {
+    if (uncertainty_of(v.robot).none()) {
+      v.contradictions.push_back(
+          "margins for uncertain arms were asked for, and this robot has no standard errors: they "
+          "are not checked");
+    } else {
+      robust = options.planned.robust;
+    }
+  }
+  if (robust && well_formed) {
+    demand_robustness(v.robot, v.limits, task, trajectory, *robust, v.certificate, on_all_cores);
   }
   check_completeness(trajectory, v);
   if (!v.certificate.certified) {  // the reason behind the others

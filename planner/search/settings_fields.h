@@ -242,6 +242,7 @@ constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"two_motions", "s", 0.1, 100}, s.two_motions);
   visit({"times_usual", "1", 1, 100}, s.times_usual);
   visit({"worthwhile", "1", 1.01, 1000}, s.worthwhile);
+  visit({"accelerations_from", "s", 0, 200}, s.accelerations_from);
   visit({"pause", "s", 0.01, 10}, s.pause);
   visit({"speed", "rad/s", 1e-6, 0.1}, s.speed);
   visit({"hardly_moving", "rad/s", 1e-6, 1}, s.hardly_moving);

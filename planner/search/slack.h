@@ -9,8 +9,8 @@
 
 namespace fjr {
 
-// Returns the problem whose objective is the least change of that one thing, with time as regularisation. A slack of one
-// relaxes it by its size.
+// Returns the problem whose objective is the least change of that one thing, with time as regularisation. A slack of
+// one relaxes it by its size.
 Problem with_slack(const Problem& problem, const Relaxable& what, const SlackSettings& settings);
 
 // Does the same with everything but velocities relaxed at once; the slack is a fraction of the size of each.

@@ -23,11 +23,16 @@ namespace {
 
 enum class WaitPlace { kStart, kOnTheWay, kGoal };
 
-// Returns whether all that is paid for is torque, which costs nothing while friction holds the arm.
-bool pays_for_torque_only(const Weights& weights) {
-  return std::all_of(Terms::infos.begin(), Terms::infos.end(), [&](const TermInfo& term) {
-    return weights.*term.weight == 0 || (term.sees_friction && term.settles_torque);
-  });
+bool pays_for_torque(const TermInfo& term) { return term.sees_friction && term.settles_torque; }
+
+// Returns whether torque is paid for, and nothing that a rest in which friction holds the arm would cost.
+bool rests_cost_nothing(const Weights& weights) {
+  const auto has = [&](const TermInfo& term) { return weights.*term.weight != 0; };
+  return std::any_of(Terms::infos.begin(), Terms::infos.end(),
+                     [&](const TermInfo& term) { return has(term) && pays_for_torque(term); }) &&
+         std::all_of(Terms::infos.begin(), Terms::infos.end(), [&](const TermInfo& term) {
+           return !has(term) || pays_for_torque(term) || term.sees_acceleration;
+         });
 }
 
 // Returns whether friction holds the arm there without torque, at no more than this speed [rad/s].
@@ -150,7 +155,7 @@ std::vector<Continuation> with_exact_friction(const std::shared_ptr<const Proble
 
 bool suits(const Findings& found) {
   const Problem& asked = found.asked;
-  return asked.duration.fixed() && found.alternatives.size() == 1 && pays_for_torque_only(asked.weights) &&
+  return asked.duration.fixed() && found.alternatives.size() == 1 && rests_cost_nothing(asked.weights) &&
          asked.start_at_rest && asked.goal.at_rest && !asked.goal.any_free() && asked.via.empty() &&
          can_be_carried(asked);
 }
@@ -173,6 +178,7 @@ std::optional<Shorter> shortened(const Problem& asked, const SpareTimeSettings& 
   const WaitPlace place = place_of_wait(asked, settings);
   const double time = enough_time(asked, place, settings);
   if (asked.duration.max < settings.worthwhile * time) return std::nullopt;
+  if (sees_acceleration(asked.weights) && asked.duration.max < settings.accelerations_from) return std::nullopt;
   return Shorter{in_less_time(asked, time, place, settings), place, asked.duration.max - time};
 }
 
@@ -209,8 +215,9 @@ WithWait plan_with_wait(int starts, Findings& found, Session& session) {
   WithWait result{planned_with_wait(in_short.best->solution, *shorter, found, session)};
   give_back_work_since(before, session);
   if (!result.best) return {};
-  result.is_enough =
-      shorter->place != WaitPlace::kOnTheWay && result.best->objective < s.costly_wait * in_short.best->objective;
+  // Accelerations cost the less the longer a motion takes, so that one without a wait may be better.
+  result.is_enough = shorter->place != WaitPlace::kOnTheWay && !sees_acceleration(found.asked.weights) &&
+                     result.best->objective < s.costly_wait * in_short.best->objective;
   if (result.is_enough) {
     found.starts = in_short.starts;
     found.starts_planned = in_short.starts_planned;

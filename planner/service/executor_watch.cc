@@ -10,7 +10,6 @@ namespace fjr {
 namespace {
 
 constexpr double kFresh = 0.5;             // [s] a state may be old; the executor's period is a millisecond
-constexpr double kSameAsHeld = 0.01;       // [rad] the executor's own tolerance between a start and where the arm is
 constexpr std::chrono::seconds kTaken{1};  // until the executor's state shows that it has accepted a trajectory
 
 double age_of(ExecutorWatch::Clock::time_point then) {
@@ -38,11 +37,11 @@ bool at_rest(ExecutorMode mode) { return mode == ExecutorMode::kResting || mode 
 
 // Returns the link positions from which a motion should start: the held reference instead of the encoder readings,
 // because otherwise a sequence of motions would drift by a count each time. The reading of a joint is used only if it
-// is more than kSameAsHeld off.
+// is more than kStartTolerance off.
 Joints<double> held_position(const ExecutorState& state) {
   Joints<double> q = state.planned_q;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (!(std::abs(q[j] - state.q[j]) <= kSameAsHeld)) q[j] = state.q[j];
+    if (!(std::abs(q[j] - state.q[j]) <= kStartTolerance)) q[j] = state.q[j];
   }
   return q;
 }

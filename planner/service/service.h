@@ -136,6 +136,7 @@ class Service {
   void reject(const Order& order, Refusal why);
   void settle(Answer answer);
   void release(const Answer& answer);
+  void release_if_it_may_start(Answer answer);
   void release_stored();
   void await_stored(Clock::time_point over);
   std::optional<Refusal> refusal_to_publish(const std::vector<Sample>& rows, bool learnt) const;

@@ -97,7 +97,17 @@ void Service::release(const Answer& answer) {
   post(answer.reply);
 }
 
-// Sends the replies that are on disk by now. Their clients may have gone while they were stored.
+// Releases a reply that was being stored. Its client may have gone meanwhile: then no arm is moved for it.
+void Service::release_if_it_may_start(Answer answer) {
+  const bool moves = executes(answer.order) && answer.reply->state == ReplyState::kSolved;
+  if (moves && !may_start(answer.order)) {
+    store_->forget(answer.reply->id);
+    answer.reply = std::make_shared<const Reply>(reply_to(answer.order, ReplyState::kCancelled, client_gone()));
+  }
+  release(answer);
+}
+
+// Sends the replies that are on disk by now.
 void Service::release_stored() {
   if (!store_) return;
   for (const RequestId& id : store_->take_settled()) {
@@ -106,12 +116,7 @@ void Service::release_stored() {
     if (stored == being_stored_.end()) continue;  // an overheard reply, which is not sent
     Answer answer = std::move(*stored);
     being_stored_.erase(stored);
-    const bool moves = executes(answer.order) && answer.reply->state == ReplyState::kSolved;
-    if (moves && !may_start(answer.order)) {
-      store_->forget(id);
-      answer.reply = std::make_shared<const Reply>(reply_to(answer.order, ReplyState::kCancelled, client_gone()));
-    }
-    release(answer);
+    release_if_it_may_start(std::move(answer));
   }
 }
 
@@ -120,7 +125,7 @@ void Service::await_stored(Clock::time_point over) {
     port_.wait(std::chrono::milliseconds(1));
   }
   if (!being_stored_.empty()) spdlog::warn("{} replies leave before they are on disk", being_stored_.size());
-  for (const Answer& answer : std::exchange(being_stored_, {})) release(answer);
+  for (Answer& answer : std::exchange(being_stored_, {})) release_if_it_may_start(std::move(answer));
 }
 
 bool Service::being_stored(const RequestId& id) const {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -57,7 +58,7 @@ void solve(int out, const Problem& problem, const std::string& request, const Wo
   learnt.remember(problem, request, result);  // when the client has its answer
 }
 
-// A plan.json may come from another instance, whatever is in it.
+// The plan.json may have been written by another instance: whatever is wrong with it is told as a reason.
 void find_repetition(int out, const Parameters& robot, const std::string& payload) try {
   const FoundRepetition found = find_repetition(robot, run_of_motion_from(payload));
   write_frame(out, FrameKind::kPlanJson, found.plan_json);
@@ -68,16 +69,17 @@ void find_repetition(int out, const Parameters& robot, const std::string& payloa
   send_done(out, PlanStatus::kNotConverged, fmt::format("cannot be learnt: {}", error.what()));
 }
 
-// Where there is none for some instant, the executor, who looks for them itself, says so.
+// Sends no stop motions if they cannot be found: then the executor looks for them itself, and tells the instant for
+// which there is none.
 void find_stops(int out, const Parameters& robot, const Trajectory& plan) {
   try {
     write_frame(out, FrameKind::kStops, as_payload(stop_motions(robot, plan, {})));
-  } catch (const NoStop&) {
+  } catch (const std::exception&) {
   }
   send_done(out, PlanStatus::kCertified, "");
 }
 
-// To try out machines and networks: no motion comes of it.
+// Sleeps instead of planning, to try out machines and networks.
 void rehearse(int out, double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   send_done(out, PlanStatus::kNotConverged, fmt::format("rehearsed for {:g} s: nothing was planned", seconds));
@@ -102,6 +104,8 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
       solve(out, parse_request(frame->payload, name, parameters), frame->payload, settings, learnt);
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
+    } catch (const std::exception& error) {  // another attempt would end in the same way
+      send_done(out, PlanStatus::kNotConverged, fmt::format("planning broke off: {}", error.what()));
     }
   }
 }

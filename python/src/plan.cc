@@ -8,6 +8,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -16,7 +17,9 @@
 #include <vector>
 
 #include "common/input_error.h"
+#include "common/strict_yaml.h"
 #include "planner/certificate/simulation.h"
+#include "planner/nlp/linear_solver.h"
 #include "planner/request/keys.h"
 #include "planner/request/request.h"
 #include "planner/request/request_keys.h"
@@ -45,6 +48,14 @@ struct Asked {
   fs::path folder;                  // what a relative `robot` is relative to
   const Robot* robot;               // null: the one it names, or else the shipped one
 };
+
+void check_solver(const std::string& name) {
+  const std::vector<std::string>& all = linear_solvers();
+  const std::string fault = std::find(all.begin(), all.end(), name) == all.end()
+                                ? fmt::format("{} is none of {}", shown(name), fmt::join(all, ", "))
+                                : what_is_missing(name);
+  if (!fault.empty()) throw InputError("linear_solver", "", fault);
+}
 
 Problem problem_of(const Asked& asked) {
   const YamlNode root = asked.text ? YamlNode::parse(*asked.text, asked.source) : YamlNode::load(asked.source);
@@ -282,6 +293,7 @@ void add_plan(nb::module_& module) {
       [](std::optional<std::string> text, std::string source, fs::path folder, const Robot* robot, const Planned* warm,
          int jobs, double deadline, int starts, const std::string& linear_solver, bool proven,
          const nb::object& progress) {
+        check_solver(linear_solver);
         PlanOptions options;
         options.jobs = jobs;
         options.deadline = deadline;

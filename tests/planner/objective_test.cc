@@ -11,9 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "common/dual.h"
 #include "model/flatness.h"
 #include "planner/plan.h"
 #include "planner/problem/objective_terms.h"
+#include "planner/problem/quantities.h"
 #include "planner/request/request.h"
 
 namespace fjr {
@@ -41,6 +43,42 @@ double integral(const Trajectory& rows, const std::function<double(const Sample&
   double sum = 0;
   for (int i = 0; i < kPieces; ++i) sum += f(at.at((i + 0.5) * h)) * h;
   return sum;
+}
+
+// The parts of an instant, for patterns of what a formula depends on.
+enum Part { kState, kAcceleration, kMotorTorque, kRate, kParts };
+using Parts = Pattern<kParts>;
+
+Joints<Parts> both(Part part) { return {Parts::input(1, part), Parts::input(1, part)}; }
+
+// What the list says of a formula decides which derivatives are computed and how friction is sharpened: a term that
+// forgot to say that it sees the acceleration would be optimised with an acceleration of zero.
+TEST(Terms, SayWhatTheirFormulasDependOn) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const State<Parts> x{both(kState), both(kState), both(kState), both(kState)};
+  const Joints<Parts> ddq = both(kAcceleration), torque = both(kMotorTorque);
+  int integrals = 0;
+  Terms::visit([&](auto term) {
+    if constexpr (requires { term.running(Instant<Parts>{robot, x, ddq, torque}); }) {
+      ++integrals;
+      const Parts cost = term.running(Instant<Parts>{robot, x, ddq, torque});
+      EXPECT_EQ(cost.depends_on(kAcceleration), term.info.sees_acceleration) << term.info.name;
+      EXPECT_EQ(cost.depends_on(kMotorTorque), term.info.sees_friction) << term.info.name;
+    }
+  });
+  EXPECT_GE(integrals, 5);
+}
+
+TEST(Quantities, SayWhatTheirFormulasDependOn) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const State<Parts> x{both(kState), both(kState), both(kState), both(kState)};
+  const Joints<Parts> torque = both(kMotorTorque), rate = both(kRate);
+  Quantities::visit([&](auto quantity) {
+    for (const Parts& value : quantity.value(Moment<Parts>{robot, x, torque, rate})) {
+      EXPECT_EQ(value.depends_on(kMotorTorque), quantity.info.sees_torque) << quantity.info.name;
+      EXPECT_EQ(value.depends_on(kRate), quantity.info.bound == BoundOn::kControl) << quantity.info.name;
+    }
+  });
 }
 
 double squared(const Joints<double>& v) { return v[0] * v[0] + v[1] * v[1]; }

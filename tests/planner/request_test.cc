@@ -337,6 +337,15 @@ TEST(Request, TipGoalIsASetOfPostures) {
   EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const Relaxable& r) { return r.name == "goal.tip_velocity"; }));
 }
 
+// Where the arm may be is no limit of what it can do: it does not keep all of these from being larger.
+TEST(Relaxables, AllLimitsMayGrowToTheRobots) {
+  const Problem tightened =
+      parse(kMove + "limits: {torque: [6, 2.5], motor_velocity: [3, 4], spring_deflection: [0.33, 0.15]}\n");
+  const Relaxable all = all_limits(tightened);
+  EXPECT_NEAR(all.allowed, 0.3864 / 0.33 - 1, 1e-9);  // of robot.yaml's deflection, which is the nearest
+  EXPECT_EQ(all_limits(parse(kMove)).allowed, 0);
+}
+
 TEST(Request, ElbowIsOnTheSideOfTheLineFromBaseToTip) {
   for (const std::string side : {"left", "right"}) {
     const Problem problem = parse("start: {q: [0.3, 0.2]}\ngoal: {tip: [0.3, -0.4], elbow: " + side + "}\n");

@@ -323,7 +323,7 @@ TEST(RequestHash, IsTheSameForValuesThatMeanTheSame) {
       // The values in a robot's file count, and not where it is.
       {"robot", kMove + "robot: @\n", config + "robot.yaml", config + "robots/../robot.yaml"},
       // It gives a direction alone.
-      {"walls[].normal", kMove + "walls: [{point: [0, -2], normal: @}]\n", "[0, 1]", "[0, 2]"},
+      {"walls[].normal", kMove + "walls: [{point: [0, -2], normal: @}]\n", "[0, 1]", "[0, 200]"},
       // The last via point is where a motion to a rest releases anyway.
       {"via[].release", kMove + "via: [{q: [0.5, -0.4], release: @}]\n", "false", "true"},
       // How well a payload is known matters to robust motions and to `tracking` alone.

@@ -2,6 +2,7 @@
 // folder.
 #include "planner/results/result_folder.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -21,6 +22,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "planner/results/export/formats.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -129,8 +131,13 @@ TEST_F(ResultFolder, AFolderThatWasRemovedMeanwhileIsMadeAgain) {
 
 TEST_F(ResultFolder, WhatElseIsInTheFolderStays) {
   write(out_ / "notes.txt", "mine");
+  // An export of another plan would have a drive do what nobody asked for.
+  for (const ExportFormat& format : export_formats()) write(out_ / fmt::format("export{}", format.suffix), "earlier");
   write(out_ / "report.html", "of an earlier plan");
   replace(out_, "a", "certified");
+  for (const ExportFormat& format : export_formats()) {
+    EXPECT_FALSE(fs::exists(out_ / fmt::format("export{}", format.suffix))) << format.name;
+  }
   EXPECT_EQ(contents(out_ / "notes.txt"), "mine");
   fs::create_directories(out_ / "more");
   write(out_ / "more/notes.txt", "mine too");

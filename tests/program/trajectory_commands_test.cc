@@ -171,6 +171,13 @@ TEST_F(Cli, VerifyHoldsRowsAgainstARequestWhateverPlanJsonSays) {
     EXPECT_THAT(result.out, HasSubstr(told));
   }
 
+  std::string edited = contents(path("out/plan.json"));
+  const std::string stiffness = "20.48";
+  edited.replace(edited.find(stiffness), stiffness.size(), "10.24");
+  write("out/plan.json", edited);
+  EXPECT_THAT(run({"verify", "out"}).err,
+              HasSubstr("robot.spring.stiffness is [10.24, 17.75], but the robot's [20.48"));
+
   const Result unknown = run({"verify", "out/trajectory.csv", "--request", "move.yaml"});
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.err, HasSubstr("move: via[0].time: is free, and no plan.json with as many via points says"));

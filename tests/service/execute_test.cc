@@ -250,6 +250,18 @@ TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
   EXPECT_EQ(stale.why.reason, Reason::kArmNotAtRest);
 }
 
+// The plan is certified whether or not anybody tells what became of its execution.
+TEST_F(ExecuteTest, APlanIsKeptWhereNoExecutorReports) {
+  serve();
+  write("fast.yaml", kFast);
+  Process unheard = fjr(
+      {"request", path("fast.yaml"), "--execute", "--out", path("a"), "--find", "1", "--domain", domain()}, "unheard");
+  EXPECT_EQ(unheard.wait(), 1);
+  EXPECT_THAT(unheard.output(), HasSubstr("the trajectory was published, but there is no executor"));
+  EXPECT_THAT(unheard.output(), HasSubstr("files       " + path("a/trajectory.csv").string()));
+  for (const char* file : {"trajectory.csv", "trajectory.id", "plan.json"}) EXPECT_TRUE(fs::exists(path("a") / file));
+}
+
 // Who starts service, executor and client at the same time is not told that there is no executor.
 TEST_F(ExecuteTest, WhoAsksBeforeTheExecutorIsThereIsAnsweredOnceItIs) {
   serve();

@@ -251,7 +251,6 @@ class RowsProver {
   }
   // Includes the same difference quotients as limits.cc.
   void torque_rates(const Trajectory& trajectory) {
-    if (!is_limited(LimitedTorqueRate::info, claims_.published)) return;
     const std::vector<Sample>& rows = trajectory.samples;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::size_t limit = Quantities::first_limit<LimitedTorqueRate>() + j;

@@ -28,7 +28,10 @@
 namespace fjr {
 
 struct ConstraintInfo {
-  const char* name;          // name of its rows; numbered if there may be several
+  const char* name;  // name of its rows; numbered if there may be several
+  // The key of requests below which its own stands, and with which its name then begins: `tip` of `tip_box`. Null:
+  // none.
+  const char* below = nullptr;
   bool keeps_clear = false;  // an obstacle, rather than a path or a region
   // An arm may pass through it between two nodes of a coarse mesh, and keep clear at both.
   bool can_be_jumped_over = false;

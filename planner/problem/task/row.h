@@ -49,13 +49,28 @@ struct TaskRow {
   T value(const Parameters& robot, const Posture<T>& at) const;
 
   const char* unit() const { return kind == Kind::kAngles ? "rad" : "m"; }
-  bool is_distance() const { return kind == Kind::kTip || kind == Kind::kElbow || kind == Kind::kAngles; }
+  // Returns whether value() is a distance wherever the arm is; otherwise it is one near a circle alone.
+  bool is_distance() const;
 
   // Returns the distance of a value from the bounds; negative if it violates them. [m or rad]
   double clearance(double value) const { return std::min(value - lower, upper - value); }
   // Returns the same as a true distance, which differs from value() well away from a circle. [m or rad]
   double distance(double value) const;
 };
+
+inline bool TaskRow::is_distance() const {
+  switch (kind) {
+    case Kind::kTip:
+    case Kind::kElbow:
+    case Kind::kAngles:
+      return true;
+    case Kind::kTipRadius:
+    case Kind::kClearance1:
+    case Kind::kClearance2:
+      break;
+  }
+  return false;
+}
 
 // Returns by how much [m or rad] the row's value changes at most if both joints are off by `angle` [rad].
 inline double moved_by(const Parameters& robot, const TaskRow& row, double angle) {

@@ -9,7 +9,7 @@
 namespace fjr {
 
 template <>
-inline constexpr ConstraintInfo kInfo<TipArc>{.name = "tip_arc", .is_band = true};
+inline constexpr ConstraintInfo kInfo<TipArc>{.name = "tip_arc", .below = "tip", .is_band = true};
 
 void add_rows(const TipArc& arc, TaskRows& to);
 inline std::size_t count_of_rows(const TipArc& arc) { return arc.way == ArcWay::kLong ? 2 : 3; }

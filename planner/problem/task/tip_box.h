@@ -6,7 +6,8 @@
 namespace fjr {
 
 template <>
-inline constexpr ConstraintInfo kInfo<TipBox>{.name = "tip_box", .relaxed = "{} m larger on every side"};
+inline constexpr ConstraintInfo kInfo<TipBox>{
+    .name = "tip_box", .below = "tip", .relaxed = "{} m larger on every side"};
 
 inline void add_rows(const TipBox& box, TaskRows& to) {
   for (std::size_t i = 0; i < 2; ++i) {

@@ -8,7 +8,7 @@
 namespace fjr {
 
 template <>
-inline constexpr ConstraintInfo kInfo<TipLine>{.name = "tip_line", .is_band = true};
+inline constexpr ConstraintInfo kInfo<TipLine>{.name = "tip_line", .below = "tip", .is_band = true};
 
 inline void add_rows(const TipLine& line, TaskRows& to) {
   task::add_band(to, TaskRow::Kind::kTip, line.from, line.to, line.tolerance);

@@ -53,7 +53,9 @@ void explain_by_statics(Explanation& e) {
 }
 
 bool easier(const Relaxation& a, const Relaxation& b) {
-  const auto change = [](const Relaxation& r) { return std::abs(r.to - r.from) / std::max(std::abs(r.from), kLeastSize); };
+  const auto change = [](const Relaxation& r) {
+    return std::abs(r.to - r.from) / std::max(std::abs(r.from), kLeastSize);
+  };
   if (a.rough != b.rough) return b.rough;
   return a.within_robot != b.within_robot ? a.within_robot : change(a) < change(b);
 }

@@ -66,7 +66,8 @@ void replace(const std::filesystem::path& file, std::string_view text, bool dura
   const std::string temporary = temporary_beside(file).string();
   int error = 0;
   if (durably || !write_unnamed(temporary, text)) {
-    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    ::unlink(temporary.c_str());
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0) throw cannot_write(file, errno);
     error = write_and_close(descriptor, text, durably);
   }

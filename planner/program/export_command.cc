@@ -109,10 +109,11 @@ int run(const ExportArguments& options) {
     throw InputError("--out", "", fault);
   }
   refuse_to_overwrite("--out", file, {options.input, options.log});
+  std::optional<FolderLock> lock;  // until the file is written: it belongs to the plan in the folder
   std::optional<PlanRecord> plan;
   Exported exported;
   if (folder) {
-    const FolderLock lock(options.input);
+    lock.emplace(options.input);
     plan = read_plan(options.input);
     if (!plan->trajectory) throw InputError(plan->source, "", "has no trajectory: there is nothing to export");
     check_ticks(*plan, options.tick);

@@ -114,6 +114,9 @@ std::vector<double> segment_ends(const Problem& request, const std::vector<doubl
   std::vector<double> ends;
   for (std::size_t i = 0; i < request.via.size(); ++i) {
     if (!request.via[i].time) {
+      if (request.task.path) {
+        throw InputError(request.name, "path", "needs the folder of its plan, which says when its corners are passed");
+      }
       throw InputError(request.name, fmt::format("via[{}].time", i),
                        "is free, and no plan.json with as many via points says when this one is passed");
     }

@@ -136,7 +136,7 @@ void check_against_planned(const PlannedMotion& planned, const Trajectory& traje
   if (trajectory.start_time() != 0) {
     v.certificate.certified = false;
     v.certificate.failures.push_back(
-        fmt::format("the rows begin at {} s, and the motion of plan.json at 0 s", trajectory.start_time()));
+        fmt::format("the rows begin at {} s, and the motion of {} at 0 s", trajectory.start_time(), planned.told_by));
   }
   if (std::abs(trajectory.end_time() - planned.ends.back()) > kSameTime) {
     v.certificate.certified = false;
@@ -193,8 +193,8 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
   if (options.proven || options.planned.proven)
     demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
-  std::optional<double> robust = options.robust;
-  if (!robust && options.planned.robust) {
+  std::optional<double> robust = options.robust;  // or what the request asked for, if that is more
+  if (options.planned.robust > robust) {
     if (uncertainty_of(v.robot).none()) {
       v.contradictions.push_back(
           "margins for uncertain arms were asked for, and this robot has no standard errors: they "

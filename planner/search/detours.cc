@@ -18,11 +18,12 @@
 namespace fjr {
 namespace {
 
-constexpr double kComfort = 0.02;   // [m] clearance below which a cell costs more
-constexpr double kDearer = 2;       // factor on the cost of a cell without clearance
-constexpr double kDiscouraged = 6;  // factor on cells near a path that was found before
-constexpr double kNear = 0.5;       // [rad] distance that counts as near; grows with every trial
-constexpr int kTrials = 3;          // to find one more path
+constexpr double kComfort = 0.02;     // [m] clearance below which a cell costs more
+constexpr double kDearer = 2;         // factor on the cost of a cell without clearance
+constexpr double kDiscouraged = 6;    // factor on cells near a path that was found before
+constexpr double kNear = 0.5;         // [rad] distance that counts as near; grows with every trial
+constexpr int kTrials = 3;            // to find one more path
+constexpr std::size_t kFewRows = 24;  // of a task, up to which the finest grid takes less than a second
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Cell {
@@ -48,7 +49,17 @@ class AngleGrid {
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
     std::erase_if(rows, [](const TaskRow& row) { return row.info->is_band && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
-    for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
+    may_be_free_.resize(clearance_.size());
+    for (std::size_t c = 0; c < clearance_.size(); ++c) {
+      clearance_[c] = kInfinity;
+      may_be_free_[c] = 1;
+      const auto posture = Posture<double>::of(problem.robot, q_of(c));
+      for (const TaskRow& row : rows) {
+        const double distance = row.distance(row.value(problem.robot, posture));
+        clearance_[c] = std::min(clearance_[c], distance);
+        if (distance + moved_by(problem.robot, row, 0.5 * spacing) < 0) may_be_free_[c] = 0;
+      }
+    }
     cost_.assign(clearance_.size(), 1);
     for (std::size_t c = 0; c < clearance_.size(); ++c) {
       if (clearance_[c] < kComfort) cost_[c] = 1 + (kDearer - 1) * (1 - std::max(0.0, clearance_[c]) / kComfort);
@@ -58,6 +69,8 @@ class AngleGrid {
   std::size_t cells() const { return clearance_.size(); }
   double clearance(std::size_t c) const { return clearance_[c]; }
   bool free(std::size_t c) const { return clearance_[c] >= 0; }
+  // Returns whether any posture that is nearer to this cell than to others may keep the task.
+  bool may_be_free(std::size_t c) const { return may_be_free_[c] != 0; }
 
   Joints<double> q_of(std::size_t c) const {
     const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
@@ -114,13 +127,6 @@ class AngleGrid {
   }
 
  private:
-  static double clearance_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Joints<double>& q) {
-    const auto posture = Posture<double>::of(robot, q);
-    double clearance = kInfinity;
-    for (const TaskRow& row : rows) clearance = std::min(clearance, row.distance(row.value(robot, posture)));
-    return clearance;
-  }
-
   int nearest(double angle, std::size_t axis) const {
     const double fraction = (angle - middle_[axis] + limit_[axis]) / (2 * limit_[axis]);
     return std::clamp(static_cast<int>(std::lround(fraction * (size_[axis] - 1))), 0, size_[axis] - 1);
@@ -131,6 +137,7 @@ class AngleGrid {
   Joints<double> middle_, limit_, speed_;
   std::array<int, 2> size_{};
   std::vector<double> clearance_, cost_;
+  std::vector<char> may_be_free_;
 };
 
 namespace {
@@ -183,6 +190,24 @@ std::vector<std::size_t> widest(const AngleGrid& grid, std::size_t from, std::si
       [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.clearance(next)); });
 }
 
+// Returns whether cells that may be free lead from one cell to another. Every path of the arm passes from a cell to one
+// of its neighbours.
+bool may_be_connected(const AngleGrid& grid, std::size_t from, std::size_t to) {
+  std::vector<char> reached(grid.cells());
+  std::vector<std::size_t> open{from};
+  reached[from] = 1;
+  while (!open.empty() && reached[to] == 0) {
+    const std::size_t cell = open.back();
+    open.pop_back();
+    grid.each_neighbour(cell, [&](std::size_t next, double) {
+      if (reached[next] != 0 || !grid.may_be_free(next)) return;
+      reached[next] = 1;
+      open.push_back(next);
+    });
+  }
+  return reached[to] != 0;
+}
+
 Path path_of(const AngleGrid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
              const Joints<double>& to) {
   Path path{from};
@@ -230,6 +255,10 @@ std::vector<std::size_t> broken_on(const Problem& problem, std::size_t segment, 
 DetourFinder::DetourFinder(const Problem& problem, double spacing)
     : problem_(problem), grid_(std::make_unique<AngleGrid>(problem, spacing)) {}
 DetourFinder::~DetourFinder() = default;
+
+bool DetourFinder::is_barred(const Joints<double>& from, const Joints<double>& to) const {
+  return !may_be_connected(*grid_, grid_->cell_of(from, false), grid_->cell_of(to, false));
+}
 
 Detours DetourFinder::find(std::size_t segment, const Joints<double>& from, const Joints<double>& to,
                            std::size_t most) const {
@@ -293,17 +322,22 @@ std::optional<NoPath> no_path(const Problem& problem) {
   if (const auto sentence = barred_elbow(problem)) {
     return NoPath{*sentence, {task.box ? number_of(task, *task.box) : path->number}, 0};
   }
-  // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
-  const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
   if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return std::nullopt;
   const std::vector<Joints<double>> points = waypoints(problem);
   const DetourFinder on_coarse_grid(problem);
-  std::optional<DetourFinder> on_fine_grid;  // seldom needed, and takes nine times as long to make
+  // Seldom needed, for they take 9 and 144 times as long to make.
+  std::optional<DetourFinder> on_fine_grid, on_finest_grid;
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
     if (on_coarse_grid.find(s, points[s], points[s + 1], 0).clearance > 0) continue;
     if (!on_fine_grid) on_fine_grid.emplace(problem, kFineGrid);
     const Detours fine = on_fine_grid->find(s, points[s], points[s + 1], 0);
-    if (fine.clearance > -doubt) continue;
+    if (fine.clearance > 0) continue;
+    bool barred = on_fine_grid->is_barred(points[s], points[s + 1]);
+    if (!barred && count_of_rows(task) <= kFewRows) {
+      if (!on_finest_grid) on_finest_grid.emplace(problem, kFinestGrid);
+      barred = on_finest_grid->is_barred(points[s], points[s + 1]);
+    }
+    if (!barred) continue;
     std::vector<std::string> names;
     for (const std::size_t number : fine.barred_by) names.push_back(constraint_name(task, number));
     const std::string where = points.size() == 2 ? "from the start to the goal"

@@ -24,7 +24,8 @@ struct Detours {
   std::vector<std::size_t> barred_by;  // constraints that the widest path violates, by number (each_constraint())
 };
 
-inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
+// [rad]: 4 cm, 1 cm and 3 mm at the stretched tip
+inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02, kFinestGrid = 0.005;
 
 // [m] A line or an arc of the tip with at least this tolerance is a region that several paths may lead through.
 inline constexpr double kWideTipPath = 0.08;
@@ -44,6 +45,9 @@ class DetourFinder {
 
   // Finds at most `most` paths between two postures within a segment of the motion.
   Detours find(std::size_t segment, const Joints<double>& from, const Joints<double>& to, std::size_t most) const;
+
+  // Returns whether there is certainly no path between two postures, whatever lies between the centres of the cells.
+  bool is_barred(const Joints<double>& from, const Joints<double>& to) const;
 
  private:
   const Problem& problem_;

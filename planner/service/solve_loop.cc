@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -104,6 +105,8 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
       solve(out, parse_request(frame->payload, name, parameters), frame->payload, settings, learnt);
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
+    } catch (const std::bad_alloc&) {
+      throw;                                 // with more memory another attempt may succeed
     } catch (const std::exception& error) {  // another attempt would end in the same way
       send_done(out, PlanStatus::kNotConverged, fmt::format("planning broke off: {}", error.what()));
     }

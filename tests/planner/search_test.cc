@@ -69,6 +69,24 @@ TEST(Elbow, MayChangeWhereTheRegionReachesTheStretchedArm) {
               Optional(HasSubstr("via[0] has it on the left")));
 }
 
+// ---- paths that discs bar ----
+
+// Link 1, 0.345 m long and 0.03 m thick, swings past a disc below its end: it fits if 0.345 + 0.03 + radius < 0.4 m.
+TEST(Barred, IsToldToAMillimetre) {
+  const auto past = [](double radius) {
+    return no_path(
+        request(fmt::format("{{start: {{q: [-0.8, 0]}}, goal: {{q: [0.8, 0]}}, "
+                            "obstacles: [{{center: [0, -0.4], radius: {}}}]}}",
+                            radius)));
+  };
+  for (const double radius : {0.0265, 0.028, 0.03, 0.034, 0.037, 0.04, 0.06}) {
+    const auto barred = past(radius);
+    ASSERT_TRUE(barred) << radius;
+    EXPECT_THAT(barred->sentence, HasSubstr("barred by obstacles[0]")) << radius;
+  }
+  for (const double radius : {0.02, 0.024, 0.0249}) EXPECT_FALSE(past(radius)) << radius;
+}
+
 // ---- limits that hold all along ----
 
 // Between rows of the trapezoidal rule whose velocities are not those of their positions, the limit is exceeded.

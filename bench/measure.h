@@ -29,7 +29,7 @@ inline Spread spread(std::vector<double> values) {
 inline Json shares(const SolveCost& cost) {
   return {{"evaluation", cost.evaluation / cost.total},
           {"linear_algebra", cost.linear_algebra / cost.total},
-          {"ipopt", cost.ipopt() / cost.total}};
+          {"ipopt", cost.in_optimiser() / cost.total}};
 }
 
 inline void write_json(const std::string& file, const Json& json) {

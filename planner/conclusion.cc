@@ -51,9 +51,9 @@ std::string advice(const std::vector<Relaxation>& relaxations) {
   if (relaxations.empty()) return "";
   const Relaxation& r = relaxations.front();
   const bool by_its_value = r.kind == RelaxableKind::kLimit || r.kind == RelaxableKind::kDuration;
-  if (!by_its_value || r.rough) return "; " + sentence_of(r);
-  return fmt::format("; with {} of {:.4g} {} (now {:g}) a motion may be found", name_of(r.name, r.joint), r.to, r.unit,
-                     r.from);
+  if (!by_its_value) return "; " + sentence_of(r);
+  return fmt::format("; with {} of {}{:.4g} {} (now {:g}) a motion may be found", name_of(r.name, r.joint),
+                     r.rough ? "about " : "", r.to, r.unit, r.from);
 }
 
 // Returns the reason if rows could not be published because there were too many.
@@ -61,28 +61,33 @@ std::string too_many_rows(const Findings& found) { return found.failure.empty() 
 
 constexpr const char* kOnCoarseMeshOnly = "the optimiser converged on a coarse mesh, but not on a finer one";
 
-// Returns whether motions within the limits were found on coarse meshes and no change was found to be needed. Then it
-// is more likely that motions could not be refined than that there are none.
-bool only_refining_failed(const Findings& found, const Infeasibility& infeasibility) {
+bool is_rough(const std::vector<Relaxation>& relaxations) { return !relaxations.empty() && relaxations.front().rough; }
+
+// Returns whether motions within the limits were found on coarse meshes, and no change is known to be needed: none was
+// found, or a rough one by a search that had no more work left. Then it is more likely that motions could not be
+// refined than that there are none.
+bool only_refining_failed(const Findings& found, const Infeasibility& infeasibility, const Session& session) {
   const bool any = !found.minima.empty() || !found.candidates.empty();
-  return any && infeasibility.relaxations.empty() && !found.too_short();
+  const bool unsure =
+      infeasibility.relaxations.empty() || (is_rough(infeasibility.relaxations) && session.account().cut_by_work);
+  return any && unsure && !found.too_short();
 }
 
 // Sets status and reason of a search that found nothing certified and was not stopped.
-void tell_failure(const Findings& found, Plan& plan) {
+void tell_failure(const Findings& found, const Session& session, Plan& plan) {
   const bool nothing_converged = found.candidates.empty();
-  const auto is_rough = [](const std::vector<Relaxation>& all) { return !all.empty() && all.front().rough; };
   if (plan.infeasibility && plan.certificate && keeps_what_was_asked(*plan.certificate)) {
     plan.reason +=
         advice(plan.infeasibility->relaxations);  // the request is feasible, only the accuracy is insufficient
     plan.infeasibility.reset();
   } else if (plan.infeasibility && plan.certificate && is_rough(plan.infeasibility->relaxations)) {
     plan.reason += "; " + plan.infeasibility->sentence;  // the change is known from motions with smoothed friction only
-  } else if (plan.infeasibility && only_refining_failed(found, *plan.infeasibility)) {
+  } else if (plan.infeasibility && only_refining_failed(found, *plan.infeasibility, session)) {
+    const std::string help = advice(plan.infeasibility->relaxations);
     plan.infeasibility.reset();
     if (plan.certificate) return;  // uncertified, with its first failure
     plan.status = PlanStatus::kNotConverged;
-    plan.reason = found.failure.empty() ? kOnCoarseMeshOnly : found.failure;
+    plan.reason = (found.failure.empty() ? kOnCoarseMeshOnly : found.failure) + help;
   } else if (plan.infeasibility) {
     plan.status = PlanStatus::kInfeasible;
     plan.reason = plan.infeasibility->sentence;
@@ -114,7 +119,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
                       : "stopped on request" + by_then(found);
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
-    tell_failure(found, plan);
+    tell_failure(found, session, plan);
     if (plan.certificate) plan.reason += too_many_rows(found);
     const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted() && !found.swing_was_cut;
     if (!explained) plan.reason += how_far(found, session);

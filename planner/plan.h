@@ -1,4 +1,4 @@
-// Plans one request: problem -> collocation -> certificate.
+// Plans one request: searches for a motion, certifies it, and concludes.
 #pragma once
 
 #include <functional>

@@ -98,7 +98,7 @@ void tell_account(const Findings& found, const Account& account, Plan& plan) {
   plan.timing = account.timing;
   plan.timing["evaluation"] = account.cost.evaluation;
   plan.timing["linear_algebra"] = account.cost.linear_algebra;
-  plan.timing["ipopt"] = account.cost.ipopt();
+  plan.timing["ipopt"] = account.cost.in_optimiser();
 }
 
 }  // namespace fjr

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// A request of the chunk with its answer, if it has one.
+// Called with the name of a request of a chunk, and with its answer if there is one.
 using TakeAnswer = std::function<void(const std::string& name, const ChunkAnswer* answer)>;
 
 void for_each(const Manifest& manifest, std::size_t chunk, bool rows, const TakeAnswer& take) {

@@ -38,8 +38,9 @@ fs::path existing(const fs::path& folder) {
                    "holds no manifest.sqlite: it is no packed batch (fjr batch prepare REQUESTS... --out DIR)");
 }
 
-// Names are those of folders, and chunks are counted through without end: what somebody has edited must neither lead
-// out of the batch's folder nor leave requests out. Throws InputError.
+// Checks a manifest that somebody may have edited. Names are used as names of folders, and must not lead out of the
+// batch's; chunks must be numbered without gaps, because they are counted, and requests of others would be left out.
+// Throws InputError.
 void check_requests(const Database& database, const fs::path& file) {
   Statement faults = database.query(
       "SELECT name FROM requests WHERE typeof(name) <> 'text' OR name IN ('', '.', '..') OR instr(name, '/') > 0");

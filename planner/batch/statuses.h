@@ -22,6 +22,9 @@ class StatusCounts {
   int exit_code() const;                   // the largest of all; open requests count like a deadline
 
  private:
+  template <class Visit>
+  void each(const Visit& visit) const;
+
   std::map<std::string, std::size_t> counts_;
 };
 

@@ -71,7 +71,7 @@ class Client {
     if (order_.action == Action::kPlan || answer.reply.state != ReplyState::kSolved) return answer;
     const double duration = answer.reply.rows.back().time;
     port_.follow_executors();
-    for (const auto began = Clock::now(); !abandoned(answer.reply.robot_id);) {
+    for (const auto began = Clock::now(); !abandoned(answer.reply);) {
       for (ExecutionResult& result : port_.take_results()) {
         if (result.trajectory_id == order_.id) {
           answer.result = std::move(result);
@@ -80,11 +80,7 @@ class Client {
       }
       follow(duration);
       if (Patience::since(began) > options_.find && !port_.any_executor()) {
-        throw NoExecutionResult(
-            fmt::format("the trajectory was published, but there is no executor on DDS domain {}: is `fjr "
-                        "executor` running?",
-                        options_.network.domain),
-            std::move(answer.reply));
+        throw NoExecutionResult(about_no_executor(duration), std::move(answer.reply));
       }
       if (Patience::since(began) > duration + options_.execution) {
         throw NoExecutionResult(
@@ -99,18 +95,36 @@ class Client {
                             std::move(answer.reply));
   }
 
-  // Returns true if the request is cancelled and this client is not to stop the arm.
-  bool abandoned(const std::string& robot_id) {
+  std::string about_no_executor(double duration) const {
+    if (executed_until_) {
+      return fmt::format(
+          "the executor went silent {:.3g} s into the motion of {:.3g} s: nobody reports where the arm is",
+          *executed_until_, duration);
+    }
+    return fmt::format(
+        "the trajectory was published, but there is no executor on DDS domain {}: is `fjr executor` running?",
+        options_.network.domain);
+  }
+
+  // Returns true if the request is cancelled and this client is not to stop the arm. Throws NoExecutionResult if the
+  // arm cannot be stopped.
+  bool abandoned(const Reply& reply) {
     if (!cancelled() || stopped_) return false;
     if (!options_.stop_execution) return true;
-    options_.stop_execution(robot_id);
+    try {
+      options_.stop_execution(reply.robot_id);
+    } catch (const std::exception& error) {
+      throw NoExecutionResult(fmt::format("cancelled after the trajectory was published: {}", error.what()), reply);
+    }
     stopped_ = true;
     return false;
   }
 
   void follow(double duration) {
     for (const ExecutorState& state : port_.take_executors()) {
-      if (state.trajectory_id != order_.id || !options_.on_execution) continue;
+      if (state.trajectory_id != order_.id) continue;
+      executed_until_ = std::min(state.time, duration);
+      if (!options_.on_execution) continue;
       options_.on_execution({std::min(state.time, duration),
                              duration,
                              {state.q[0] - state.planned_q[0], state.q[1] - state.planned_q[1]},
@@ -168,6 +182,7 @@ class Client {
   dds::ClientPort port_;
   Clock::time_point last_heard_, last_sent_, last_cancel_;
   std::optional<Clock::time_point> cancelled_at_;
+  std::optional<double> executed_until_;  // [s] of the motion; none: no executor has said that it runs it
   bool stopped_ = false;
 };
 

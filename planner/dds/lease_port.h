@@ -30,7 +30,6 @@ class LeasePort {
   // Creates a writer for a worker. Leases can be sent once the worker has discovered it, which takes milliseconds.
   void meet(const WorkerId& worker);
   void forget(const WorkerId& worker);
-  bool knows(const WorkerId& worker) const { return workers_.contains(worker); }
   bool reachable(const WorkerId& worker) const;
   bool send(const WorkerId& worker, const LeaseWord& word);  // false: it is not reachable, or too slow
 

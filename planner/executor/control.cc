@@ -34,6 +34,15 @@ Reading first_reading(Arm& arm) {
   throw std::runtime_error(fmt::format("the encoder {} gives no samples", silent));
 }
 
+// Returns the one of two modes of an arm that stands still, or is going to, in which it takes more to move it again.
+ExecutorMode stricter(ExecutorMode a, ExecutorMode b) {
+  constexpr std::array kInOrder{ExecutorMode::kStopped, ExecutorMode::kHolding};
+  for (const ExecutorMode mode : kInOrder) {
+    if (a == mode || b == mode) return mode;
+  }
+  return ExecutorMode::kResting;
+}
+
 }  // namespace
 
 Control::Control(const Parameters& robot, Arm& arm)
@@ -115,9 +124,9 @@ void Control::obey(unsigned asked) {
     outcome.what = wanted == ExecutorMode::kStopped ? "stop" : "hold";
     stop_because(outcome);
   } else if (moving()) {
-    after_ = std::max(after_, wanted);
+    after_ = stricter(after_, wanted);
   } else {
-    mode_ = std::max(mode_, wanted);
+    mode_ = stricter(mode_, wanted);
   }
 }
 
@@ -158,8 +167,8 @@ void Control::supervise() {
   const char* lost = sensing_.lost();
   if (lost != nullptr) {
     for (std::size_t j = 0; j < kJoints; ++j) blind_[j] = blind_[j] || sensing_.motors_lost()[j];
-    after_ = std::max(after_, ExecutorMode::kHolding);
-    if (mode_ == ExecutorMode::kExecuting) stop_because({Ending::kEncoderLost, time_, 0, 0, 0, lost});
+    after_ = stricter(after_, ExecutorMode::kHolding);
+    if (mode_ == ExecutorMode::kExecuting) stop_because({.ending = Ending::kEncoderLost, .what = lost});
     if (mode_ == ExecutorMode::kResting) mode_ = ExecutorMode::kHolding;
   }
   if (mode_ == ExecutorMode::kExecuting) supervise_execution();
@@ -174,8 +183,8 @@ void Control::supervise() {
 void Control::supervise_execution() {
   const Tolerances& allowed = motion_->tolerances;
   if (stops_run_out()) {
-    after_ = std::max(after_, ExecutorMode::kHolding);
-    return stop_because({Ending::kNoStop, time_, 0, 0, 0, ""});
+    after_ = stricter(after_, ExecutorMode::kHolding);
+    return stop_because({.ending = Ending::kNoStop});
   }
   bool within = true;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -185,8 +194,9 @@ void Control::supervise_execution() {
       // The reference continues from where the motors are, beside the plan, so that the arm is not pulled back into an
       // obstacle that may have stopped a link.
       move_reference(sensing_.theta());
-      after_ = std::max(after_, ExecutorMode::kHolding);
-      return stop_because({Ending::kPathTolerance, time_, joint, error, allowed.path[j], ""});
+      after_ = stricter(after_, ExecutorMode::kHolding);
+      return stop_because(
+          {.ending = Ending::kPathTolerance, .joint = joint, .value = error, .allowed = allowed.path[j]});
     }
     const double speed = std::abs(sensing_.dq()[j]);
     if (error <= allowed.goal[j] && speed <= allowed.stopped_velocity[j]) continue;
@@ -204,7 +214,7 @@ void Control::supervise_execution() {
   const double since = time_ - end_;
   if (settled_ ? since < kWatched : since < allowed.goal_time) return;
   if (settled_) motion_->outcome = {Ending::kReached, time_, 0, 0, 0, ""};
-  finish(settled_ ? after_ : std::max(after_, ExecutorMode::kHolding));
+  finish(settled_ ? after_ : stricter(after_, ExecutorMode::kHolding));
 }
 
 void Control::supervise_stop() {
@@ -249,7 +259,7 @@ void Control::stop_where_it_is(int missed) {
     motion_->outcome = {Ending::kStalled, time_, 0, static_cast<double>(missed), kStallTicks, ""};
   }
   mode_ = ExecutorMode::kStopping;
-  after_ = std::max(after_, ExecutorMode::kHolding);
+  after_ = stricter(after_, ExecutorMode::kHolding);
   stop_ = nullptr;
   sensing_.restart();
   yielded_until_ = time_ + kMostYielding;

@@ -195,7 +195,7 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
 
 std::vector<std::string> broken_in(const Repetition& repetition) {
   std::vector<std::string> sentences;
-  std::set<std::string> told;  // what rows break is broken on both arms
+  std::set<std::string> told;  // what the rows themselves break appears for both arms, and is told once
   for (const Rehearsal& rehearsal : repetition.rehearsals) {
     for (const std::string& broken : rehearsal.broken) {
       if (told.insert(broken).second) sentences.push_back(rehearsal.arm + ": " + broken);

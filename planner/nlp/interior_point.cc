@@ -94,8 +94,8 @@ class InteriorPoint {
       form_.set_slack_multipliers(at_.y, at_.z_lower, at_.z_upper);
     } else {
       at_.y = Vector::Zero(form_.constraints());
-      at_.z_lower = near ? Vector(mu_ * to_lower()) : Vector::Ones(form_.variables());
-      at_.z_upper = near ? Vector(mu_ * to_upper()) : Vector::Ones(form_.variables());
+      at_.z_lower = near ? Vector(mu_ * inverse_distance_to_lower()) : Vector::Ones(form_.variables());
+      at_.z_upper = near ? Vector(mu_ * inverse_distance_to_upper()) : Vector::Ones(form_.variables());
     }
     const Vector least = Vector::Constant(form_.variables(), kLeastMultiplier);
     form_.keep_multipliers_above(least, least, at_);
@@ -173,8 +173,8 @@ class InteriorPoint {
     const CpuTimed timed(report_.cost.evaluation);
     form_.set_hessian(at_.v, at_.y);
   }
-  Vector to_lower() const { return form_.to_lower(at_.v); }
-  Vector to_upper() const { return form_.to_upper(at_.v); }
+  Vector inverse_distance_to_lower() const { return form_.inverse_distance_to_lower(at_.v); }
+  Vector inverse_distance_to_upper() const { return form_.inverse_distance_to_upper(at_.v); }
   double own_objective() const { return f_ / form_.objective_scale(); }
 
   Merit merit(const Vector& v, double f, const Vector& c) const {
@@ -261,13 +261,16 @@ class InteriorPoint {
   bool set_up_system() {
     set_hessian();
     const CpuTimed timed(report_.cost.linear_algebra);
-    return system_.factorise(form_, at_.z_lower.cwiseProduct(to_lower()) + at_.z_upper.cwiseProduct(to_upper()), mu_);
+    return system_.factorise(
+        form_,
+        at_.z_lower.cwiseProduct(inverse_distance_to_lower()) + at_.z_upper.cwiseProduct(inverse_distance_to_upper()),
+        mu_);
   }
 
   // Returns the Newton step for the constraint values c.
   Step step_for(const Vector& c) {
     const CpuTimed timed(report_.cost.linear_algebra);
-    const Vector lower = to_lower(), upper = to_upper();
+    const Vector lower = inverse_distance_to_lower(), upper = inverse_distance_to_upper();
     Vector right(form_.variables() + form_.constraints());
     right << mu_ * (lower - upper) - at_.z_lower + at_.z_upper - dual_, -c;
     const Vector solution = system_.solve(form_, right);
@@ -317,15 +320,17 @@ class InteriorPoint {
   }
 
   void keep_multipliers_near() {
-    keep_near(form_.lower_bounded, mu_ * to_lower(), at_.z_lower);
-    keep_near(form_.upper_bounded, mu_ * to_upper(), at_.z_upper);
+    keep_near(form_.lower_bounded, mu_ * inverse_distance_to_lower(), at_.z_lower);
+    keep_near(form_.upper_bounded, mu_ * inverse_distance_to_upper(), at_.z_upper);
   }
   static void keep_near(const std::vector<Index>& bounded, const Vector& central, Vector& z) {  // (16)
     for (const Index i : bounded)
       z(i) = std::clamp(z(i), central(i) / kMultiplierFactor, central(i) * kMultiplierFactor);
   }
 
-  double slope(const Step& step) const { return (gradient_ - mu_ * (to_lower() - to_upper())).dot(step.v); }
+  double slope(const Step& step) const {
+    return (gradient_ - mu_ * (inverse_distance_to_lower() - inverse_distance_to_upper())).dot(step.v);
+  }
 
   // Backtracks from alpha and goes to the first point that the filter accepts. On return, `step` and `alpha` are the
   // ones taken.

@@ -10,8 +10,9 @@
 
 namespace fjr {
 
-// Scaling, error measures and termination rules are those of Ipopt, with the same options. linear_solver is ignored,
-// and barrier_strategy only decides about the final barrier parameter.
+// Scaling, error measures and termination rules are those of Ipopt, with the same options. linear_solver is ignored.
+// barrier_strategy decides about the final barrier parameter, and if the initial one is no larger, the method begins
+// with the final one.
 SolveReport solve_by_interior_point(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
 
 }  // namespace fjr

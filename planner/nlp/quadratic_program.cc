@@ -36,7 +36,8 @@ class QuadraticProgram {
                    double mu)
       : form_(form), system_(system), from_(at.v), gradient_(gradient), c_(c), mu_(mu), now_(at) {
     form_.push_off_bounds(now_.v, kFromBounds);
-    form_.keep_multipliers_above(kFirstProduct * form_.to_lower(now_.v), kFirstProduct * form_.to_upper(now_.v), now_);
+    form_.keep_multipliers_above(kFirstProduct * form_.inverse_distance_to_lower(now_.v),
+                                 kFirstProduct * form_.inverse_distance_to_upper(now_.v), now_);
   }
 
   std::optional<PrimalDual> solve(const std::function<bool()>& may_go_on) {
@@ -68,8 +69,8 @@ class QuadraticProgram {
     dual_ = gradient_ + product.head(now_.v.size()) - now_.z_lower + now_.z_upper;
     rows_ = c_ + product.tail(now_.y.size());
     products_ = products(now_.v, now_.z_lower, now_.z_upper);
-    to_lower_ = form_.to_lower(now_.v);
-    to_upper_ = form_.to_upper(now_.v);
+    inverse_to_lower_ = form_.inverse_distance_to_lower(now_.v);
+    inverse_to_upper_ = form_.inverse_distance_to_upper(now_.v);
   }
 
   bool solved() const {
@@ -80,12 +81,13 @@ class QuadraticProgram {
   // Returns the Newton step towards these products of the bounds.
   PrimalDual step_to(const Vector& at_lower, const Vector& at_upper) const {
     Vector right(now_.v.size() + now_.y.size());
-    right << at_lower.cwiseProduct(to_lower_) - at_upper.cwiseProduct(to_upper_) - now_.z_lower + now_.z_upper - dual_,
+    right << at_lower.cwiseProduct(inverse_to_lower_) - at_upper.cwiseProduct(inverse_to_upper_) - now_.z_lower +
+                 now_.z_upper - dual_,
         -rows_;
     const Vector solution = system_.solve(form_, right);
     PrimalDual step{solution.head(now_.v.size()), solution.tail(now_.y.size()), {}, {}};
-    step.z_lower = to_lower_.cwiseProduct(at_lower - now_.z_lower.cwiseProduct(step.v)) - now_.z_lower;
-    step.z_upper = to_upper_.cwiseProduct(at_upper + now_.z_upper.cwiseProduct(step.v)) - now_.z_upper;
+    step.z_lower = inverse_to_lower_.cwiseProduct(at_lower - now_.z_lower.cwiseProduct(step.v)) - now_.z_lower;
+    step.z_upper = inverse_to_upper_.cwiseProduct(at_upper + now_.z_upper.cwiseProduct(step.v)) - now_.z_upper;
     return step;
   }
 
@@ -99,7 +101,7 @@ class QuadraticProgram {
 
   // Makes one step. Returns false if there is none, or if the last ones were short.
   bool advance() {
-    const Vector barrier = now_.z_lower.cwiseProduct(to_lower_) + now_.z_upper.cwiseProduct(to_upper_);
+    const Vector barrier = now_.z_lower.cwiseProduct(inverse_to_lower_) + now_.z_upper.cwiseProduct(inverse_to_upper_);
     const Vector diagonal = barrier + Vector::Constant(now_.v.size(), kWeight);
     if (!diagonal.allFinite() || !system_.factorise(form_, diagonal, std::max(products_.mean, mu_))) return false;
     const PrimalDual step = corrected(predictor());
@@ -136,8 +138,8 @@ class QuadraticProgram {
   const Vector &from_, &gradient_, &c_;
   const double mu_;  // which all products are to come to
   PrimalDual now_;
-  Vector dual_, rows_;          // residuals
-  Vector to_lower_, to_upper_;  // inverse distances from the bounds
+  Vector dual_, rows_;                          // residuals
+  Vector inverse_to_lower_, inverse_to_upper_;  // inverse distances from the bounds
   Products products_{};
   int short_steps_ = 0;
 };

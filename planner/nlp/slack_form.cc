@@ -147,11 +147,16 @@ SlackForm::Vector SlackForm::from_x(const Vector& x) const {
 
 SlackForm::Vector SlackForm::to_x(const Vector& v) const { return x_at(v); }
 
-SlackForm::Vector SlackForm::from_bound_multipliers(const Vector& z) const {
+// Returns the part of free variables, in the scale of the objective; zero for slacks.
+SlackForm::Vector SlackForm::scaled_part_of_free(const Vector& of_variables) const {
   Vector scaled = Vector::Zero(variables());
-  for (std::size_t i = 0; i < free_.size(); ++i) scaled(static_cast<Index>(i)) = objective_scale_ * z(free_[i]);
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    scaled(static_cast<Index>(i)) = objective_scale_ * of_variables(free_[i]);
+  }
   return scaled;
 }
+
+SlackForm::Vector SlackForm::from_bound_multipliers(const Vector& z) const { return scaled_part_of_free(z); }
 
 SlackForm::Vector SlackForm::to_bound_multipliers(const Vector& z) const {
   Vector own = Vector::Zero(nlp_.variables());
@@ -233,7 +238,7 @@ void SlackForm::constraint_values(const Vector& v, Vector& c) const {
 
 void SlackForm::differentiate(const Vector& v, Vector& gradient) {
   nlp_.gradient(x_at(v), gradient_);
-  gradient = from_bound_multipliers(gradient_);
+  gradient = scaled_part_of_free(gradient_);
   nlp_.jacobian(x_, jacobian_values_);
   double* to = kkt_.values.data() + jacobian_begin();
   for (std::size_t e = 0; e < jacobian_entry_.size(); ++e) {

@@ -41,8 +41,8 @@ class SlackForm {
   std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
 
   // Return the inverse distances of v from its bounds; zero where there is no bound.
-  Vector to_lower(const Vector& v) const { return (v - lower).cwiseInverse(); }
-  Vector to_upper(const Vector& v) const { return (upper - v).cwiseInverse(); }
+  Vector inverse_distance_to_lower(const Vector& v) const { return (v - lower).cwiseInverse(); }
+  Vector inverse_distance_to_upper(const Vector& v) const { return (upper - v).cwiseInverse(); }
   // Makes the multipliers of the bounds at least these, and zero where there is no bound.
   void keep_multipliers_above(const Vector& least_lower, const Vector& least_upper, PrimalDual& at) const;
   // Moves v to at least this relative distance inside its bounds, or the same fraction of the distance between two.
@@ -85,6 +85,7 @@ class SlackForm {
   void multiply(const Vector& by, Vector& product) const;  // the KKT matrix times a vector
 
  private:
+  Vector scaled_part_of_free(const Vector& of_variables) const;
   bool inequality(Eigen::Index row) const { return slack_[static_cast<std::size_t>(row)] >= 0; }
   Eigen::Index slack_of(Eigen::Index row) const { return slack_[static_cast<std::size_t>(row)]; }
   const Vector& x_at(const Vector& v) const;

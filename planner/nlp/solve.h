@@ -21,7 +21,7 @@ enum class SolveStatus {
 
 const char* name(SolveStatus status);
 
-// A point and its multipliers. Empty multipliers (size 0) are estimated by the solver.
+// A point and its multipliers. They may be empty (size 0) with Beginning::kPoint, which does not use them.
 struct Iterate {
   Eigen::VectorXd x, lambda, z_lower, z_upper;
 };

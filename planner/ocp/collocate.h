@@ -31,7 +31,7 @@ struct Collocated {
   CollocationSetup setup;
   SolveReport report;
   std::vector<double> durations;            // [s] of the mesh's segments
-  Motion motion;                            // meaningful when report.solved()
+  Motion motion;                            // of the last iterate; empty if the start did not fit the problem
   double slack = 0;                         // value of the slack, if the problem has one
   Joints<double> peak{kNoLimit, kNoLimit};  // [N m] bound on |tau_m|, if the problem penalises the peak torque
 };

@@ -135,10 +135,9 @@ class MarginRules {
 
   // Returns the base margin of limit i, or 0 if a prescribed state is closer to the limit than that.
   double base_margin(std::size_t i) const {
-    double clearance = kBaseMargin * scale_[i];
-    if (std::any_of(prescribed_.begin(), prescribed_.end(), [&](const PrescribedState& g) { return lies_on(g, i); }))
-      clearance = 0;
-    return clearance;
+    const bool none =
+        std::any_of(prescribed_.begin(), prescribed_.end(), [&](const PrescribedState& g) { return lies_on(g, i); });
+    return none ? 0 : kBaseMargin * scale_[i];
   }
 
   // Returns whether margins of limit i cannot act on an interval, because a prescribed state nearby lies on the limit

@@ -1,8 +1,9 @@
 // The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc; in
-// planning_commands.cc, too, if it is to start quickly, for which it may need no library of exports, identification or
+// kPlanningCommands, too, if it is to start quickly, for which it may need no library of exports, identification or
 // DDS.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 
@@ -38,8 +39,12 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
+// Those that the executable which users call has itself.
+inline constexpr std::array<AddCommand, 6> kPlanningCommands{add_plan,   add_batch,  add_library,
+                                                             add_verify, add_report, add_keys};
+
 // Returns the subcommands of this executable, in the order of --help: all of them for the complete one (commands.cc),
-// those for planning for the one that users call (planning_commands.cc).
+// kPlanningCommands for the one that users call (planning_commands.cc).
 std::span<const AddCommand> commands();
 
 // Returns the executable that has the other commands; empty in that one itself.

@@ -14,6 +14,7 @@
 #include "planner/executor/virtual_arm.h"
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/network_arguments.h"
 #include "planner/program/number_checks.h"
 #include "planner/program/service_log.h"
@@ -64,6 +65,8 @@ int execute(const ExecutorArguments& options) {
   const ExecutorConfig config = config_of(options);
   const Parameters robot = load_parameters(config.robot);
   check_start(config, robot);
+  if (!config.logs.empty()) make_writable_folder("logs", config.logs);
+  if (!config.state.empty()) make_writable_folder("state", config.state);
   VirtualArmOptions really = config.arm;
   really.truth = config.true_robot.empty() ? robot : load_parameters(config.true_robot);
   VirtualArm arm(really, config.start);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/input_error.h"
+#include "planner/program/altered.h"
 #include "planner/program/commands.h"
 #include "planner/program/file_checks.h"
 #include "planner/program/misspelt.h"
@@ -109,6 +110,7 @@ int run(const ExportArguments& options) {
     throw InputError("--out", "", fault);
   }
   refuse_to_overwrite("--out", file, {options.input, options.log});
+  refuse_another_kind("--out", file.string(), format.suffix.substr(format.suffix.rfind('.')));
   std::optional<FolderLock> lock;  // until the file is written: it belongs to the plan in the folder
   std::optional<PlanRecord> plan;
   Exported exported;
@@ -117,6 +119,7 @@ int run(const ExportArguments& options) {
     plan = read_plan(options.input);
     if (!plan->trajectory) throw InputError(plan->source, "", "has no trajectory: there is nothing to export");
     check_ticks(*plan, options.tick);
+    warn_if_altered(options.input, *plan);
     exported.plan = &*plan;
     exported.ticked = at_ticks(plan->robot, *plan->trajectory, options.tick);
     if (!options.log.empty()) exported.log = read_log(options.log);

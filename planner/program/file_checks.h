@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -32,10 +33,10 @@ inline std::string fault_of_file_to_write(const std::string& name) {
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
     return fmt::format("cannot write {}: {}", name, std::generic_category().message(errno));
   }
-  for (const char* of_plan : {"plan.json", "trajectory.csv", "solution.cbor"}) {
-    if (file.filename() == of_plan && std::filesystem::exists(file, ignored)) {
-      return fmt::format("{} belongs to a plan, and would be lost", name);
-    }
+  if (!std::filesystem::exists(there)) return "";
+  for (const char* of_plan :
+       {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", "trajectory.id", "solution.cbor"}) {
+    if (file.filename() == of_plan) return fmt::format("{} belongs to a plan, and would be lost", name);
   }
   return "";
 }
@@ -53,6 +54,26 @@ inline void refuse_to_overwrite(const std::string& option, const std::filesystem
   }
 }
 
+// Throws InputError if the file that an option has named is there and does not have the ending (".html") of what would
+// be written, because it is something else then: a robot, or a request.
+inline void refuse_another_kind(const std::string& option, const std::string& out, std::string_view ending) {
+  if (out.empty() || out.ends_with(ending) || !std::filesystem::exists(out)) return;
+  throw InputError(option, "",
+                   fmt::format("{} is there, and would be lost: it is no {} file by its name", out, ending));
+}
+
 inline CLI::Validator file_to_write() { return CLI::Validator(fault_of_file_to_write, ""); }
+
+// Makes a folder that an option or a key names, unless it is there. Throws InputError if that fails, or if files cannot
+// be made in it.
+inline void make_writable_folder(const std::string& named_by, const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && access(folder.c_str(), W_OK | X_OK) != 0) error = {errno, std::generic_category()};
+  if (!error && !std::filesystem::is_directory(folder)) error = std::make_error_code(std::errc::not_a_directory);
+  if (error) {
+    throw InputError(named_by, "", fmt::format("cannot write to folder {}: {}", folder.string(), error.message()));
+  }
+}
 
 }  // namespace fjr

@@ -157,10 +157,15 @@ std::vector<std::string> files_of_logs(const IdentifyArguments& options) {
 
 // The robot file that --robot names may be replaced by the one of --out: it is what is known then.
 void check_files_to_write(const IdentifyArguments& options) {
+  if (!options.out.empty() && options.out == report_file(options)) {
+    throw InputError("--report", "", fmt::format("{} is the file of --out", options.out));
+  }
   std::vector<std::string> inputs = files_of_logs(options);
   refuse_to_overwrite("--out", options.out, inputs);
   inputs.push_back(options.robot);
   refuse_to_overwrite("--report", report_file(options), inputs);
+  refuse_another_kind("--out", options.out, ".yaml");
+  refuse_another_kind("--report", report_file(options).string(), ".html");
 }
 
 int run(const IdentifyArguments& options) {

@@ -39,9 +39,8 @@ std::string refusal(const CLI::App& app, const std::vector<std::string>& words, 
   for (const std::string& word : words) {
     if (word.starts_with("--")) {
       const std::string name = word.substr(0, word.find('='));
-      const std::vector<std::string> known = options_of(*command);
-      if (std::find(known.begin(), known.end(), name) == known.end()) return said + suggest(name, known);
-      continue;
+      if (command->get_option_no_throw(name) != nullptr) continue;
+      return fmt::format("no option is called {}{}", name, suggest(name, options_of(*command)));
     }
     const std::vector<std::string> known = shown_subcommands(*command);
     const auto found = std::find(known.begin(), known.end(), word);

@@ -5,10 +5,7 @@
 
 namespace fjr {
 
-std::span<const AddCommand> commands() {
-  static constexpr AddCommand kPlanning[] = {add_plan, add_batch, add_library, add_verify, add_report, add_keys};
-  return kPlanning;
-}
+std::span<const AddCommand> commands() { return kPlanningCommands; }
 
 std::filesystem::path complete_program() {
   const std::filesystem::path folder = library_folder();

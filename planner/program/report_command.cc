@@ -9,6 +9,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "planner/program/altered.h"
 #include "planner/program/commands.h"
 #include "planner/program/file_checks.h"
 #include "planner/program/result_files.h"
@@ -37,13 +38,17 @@ fs::path report_on_one(const ReportArguments& options) {
   if (!options.out.empty()) throw InputError("--out", "", "is for two plans; of one, report.html is in its folder");
   check_report_to_write(fs::path(options.folders[0]) / "report.html");
   const FolderLock lock(options.folders[0]);
-  return write_report(options.folders[0]);
+  const fs::path file = write_report(options.folders[0]);
+  warn_if_altered(options.folders[0], read_plan(options.folders[0]));
+  return file;
 }
 
 // Folders are locked one after the other: two locks in one parent folder would wait for each other.
 PlanRecord plan_in(const fs::path& folder) {
   const FolderLock lock(folder);
-  return read_plan(folder);
+  PlanRecord plan = read_plan(folder);
+  warn_if_altered(folder, plan);
+  return plan;
 }
 
 fs::path report_on_two(const ReportArguments& options) {
@@ -52,6 +57,7 @@ fs::path report_on_two(const ReportArguments& options) {
   if (fs::equivalent(first, second, error)) throw InputError(options.folders[1], "", "is the same folder twice");
   const fs::path file = options.out.empty() ? first / "compared.html" : fs::path(options.out);
   check_report_to_write(file);
+  refuse_another_kind("--out", file.string(), ".html");
   const PlanRecord one = plan_in(first), other = plan_in(second);
   write_file(file, reading(one.source + ", " + other.source, [&] { return both_plans_page(one, other); }));
   return file;

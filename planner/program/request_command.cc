@@ -145,12 +145,16 @@ std::string json_of(const Order& order, const Reply& reply) {
   return json_text(json);
 }
 
-std::string json_of(const Order& order, const Answer& answer) {
+// silence: why the result of the execution did not come; empty if it did, or if none was asked for.
+std::string json_of(const Order& order, const Answer& answer, const std::string& silence) {
   const std::string plan = json_of(order, answer.reply);
-  if (!answer.result) return plan;
+  if (!answer.result && silence.empty()) return plan;
   auto json = json_from_text<nlohmann::ordered_json>(plan);  // whoever answered
   if (!json.is_object()) return plan;
-  json["execution"] = json_of(*answer.result);
+  json["execution"] =
+      answer.result
+          ? json_of(*answer.result)
+          : nlohmann::ordered_json{{"result", nullptr}, {"reason", silence}, {"trajectory_id", to_text(order.id)}};
   return json_text(json);
 }
 
@@ -218,8 +222,10 @@ std::string summary(const RequestArguments& options, const Reply& reply, double 
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
   }
   text += about_repetition(reply, options.repeat);
-  text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
-                      reply.solve_time, reply.wait_time, elapsed);
+  if (reply.solve_time > 0) {
+    text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
+                        reply.solve_time, reply.wait_time, elapsed);
+  }
   if (has_files) {
     text += fmt::format("  files       {}{}\n",
                         reply.rows.empty() ? "" : fmt::format("{0}/trajectory.csv, {0}/trajectory.id, ", options.out),
@@ -265,15 +271,19 @@ Answer ask(const RequestArguments& options, const Order& order) {
   return request_plan(order, client);
 }
 
-// Tells the answer, and what was before in the folder. Returns the exit code.
+// Tells the answer, and what was before in the folder. silence: as in json_of(). Returns the exit code.
 int tell(const RequestArguments& options, const Order& order, const Answer& answer, double elapsed,
-         const Stored& stored) {
+         const Stored& stored, const std::string& silence) {
   const Reply& reply = answer.reply;
   if (reply.state != ReplyState::kSolved) {
     say("fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
-  fmt::print("{}", options.json ? json_of(order, answer) : summary(options, reply, elapsed, stored.files));
+  fmt::print("{}", options.json ? json_of(order, answer, silence) : summary(options, reply, elapsed, stored.files));
   if (!stored.about_previous.empty()) say("fjr: {}\n", stored.about_previous);
+  if (!silence.empty()) {
+    say("fjr: {}\n", silence);
+    return 1;
+  }
   if (!answer.result) return exit_code_of(reply);
   if (!options.json) fmt::print("{}", summary(*answer.result));
   if (answer.result->code == ResultCode::kSuccessful) return 0;
@@ -296,10 +306,9 @@ int run(const RequestArguments& options) {
   }
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const Stored stored = store(options, order, answer.reply);
-  const int code = tell(options, order, answer, elapsed, stored);
-  if (!silence.empty()) say("fjr: {}\n", silence);
+  const int code = tell(options, order, answer, elapsed, stored, silence);
   if (stored.obstacle) std::rethrow_exception(stored.obstacle);
-  return silence.empty() ? code : 1;
+  return code;
 }
 
 }  // namespace

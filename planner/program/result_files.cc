@@ -23,6 +23,7 @@ void prepare_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
+  check_names_in(folder);
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   const std::string reason = std::generic_category().message(errno);
   throw InputError("--out", "", fmt::format("cannot write to folder {}: {}", folder.string(), reason));

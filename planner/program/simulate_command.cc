@@ -197,6 +197,8 @@ int run(const SimulateArguments& options) {
   const std::vector<std::string> inputs{options.trajectory, robot_file(options.robot).string(), options.true_robot};
   refuse_to_overwrite("--out", options.out, inputs);
   refuse_to_overwrite("--log", options.log, inputs);
+  refuse_another_kind("--out", options.out, ".csv");
+  refuse_another_kind("--log", options.log, ".csv");
   const SimulatedRun run = simulated(options);
   if (!options.log.empty()) write_log(run, options.log);
   if (!options.out.empty()) write_run(run, options.out);

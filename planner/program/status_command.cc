@@ -35,7 +35,7 @@ std::string text_for_people(const ServiceStatus& s) {
   std::string text = fmt::format("{}: up {:.0f} s, fjr {}, {}\n", s.instance, s.uptime, s.version,
                                  s.epoch > 0 ? fmt::format("owner, epoch {}", s.epoch) : "standby");
   text += fmt::format("  robot       {}, {}\n", s.robot_id, s.robot_hash.substr(0, 12));
-  text += fmt::format("  queue       {} of {}\n", s.queued, s.queue_capacity);
+  text += fmt::format("  queue       {} waiting, at most {} of one client\n", s.queued, s.queue_capacity);
   text +=
       fmt::format("  workers     {} of {} solving, {} lost since the start\n", s.solving, s.workers, s.workers_lost);
   text += fmt::format(

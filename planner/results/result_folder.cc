@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "common/bounded_json.h"
+#include "common/input_error.h"
 #include "common/read_file.h"
 #include "planner/plan.h"
 
@@ -46,7 +47,7 @@ fs::path resolved(const fs::path& folder) {
 
 // Returns the folder, and creates it again if it was removed since the planning began, so that the results are not
 // lost.
-fs::path existing(const fs::path& folder) {
+fs::path created_if_removed(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   const fs::path real = resolved(folder);
@@ -182,6 +183,17 @@ bool is_result(const fs::path& name) {
   return std::any_of(kResultFiles.begin(), kResultFiles.end(), [&](const char* file) { return name == file; });
 }
 
+void check_names_in(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name : kResultFiles) {
+    if (!fs::is_directory(folder / name, ignored)) continue;
+    throw InputError((folder / name).string(), "", "is a folder where a file of the plan is written: move it away");
+  }
+  const fs::path previous = folder / kPrevious;
+  if (!fs::exists(fs::symlink_status(previous, ignored)) || fs::is_directory(previous, ignored)) return;
+  throw InputError(previous.string(), "", "is a file where earlier plans are kept: move it away");
+}
+
 bool has_certified_plan(const fs::path& folder) {
   return plan_status(text_at(read_plan_json(folder), "status")) == PlanStatus::kCertified;
 }
@@ -189,10 +201,11 @@ bool has_certified_plan(const fs::path& folder) {
 ResultValue value_of_results(const fs::path& folder) {
   const std::string said = text_at(read_plan_json(folder), "status");
   const std::optional<PlanStatus> status = plan_status(said);
-  if (status == PlanStatus::kCertified || fs::exists(folder / "trajectory.csv")) return ResultValue::kPlan;
+  std::error_code none;
+  if (fs::file_size(folder / "trajectory.csv", none) > 0 && !none) return ResultValue::kPlan;
   if (said.empty() && fs::exists(folder / "plan.json")) return ResultValue::kPlan;
-  const bool answered =
-      status == PlanStatus::kInfeasible || status == PlanStatus::kNotConverged || status == PlanStatus::kUncertified;
+  const bool answered = status == PlanStatus::kCertified || status == PlanStatus::kInfeasible ||
+                        status == PlanStatus::kNotConverged || status == PlanStatus::kUncertified;
   return answered ? ResultValue::kAnswer : ResultValue::kNothing;
 }
 
@@ -212,8 +225,10 @@ FolderLock::FolderLock(const fs::path& folder) {
   complete_moves(real);
 }
 
-NewResults::NewResults(const fs::path& folder) : folder_(existing(folder)), lock_(folder), stage_(folder_ / kStage) {
+NewResults::NewResults(const fs::path& folder)
+    : folder_(created_if_removed(folder)), lock_(folder), stage_(folder_ / kStage) {
   clear_beside(folder_);
+  check_names_in(folder);
   std::error_code error;
   fs::remove_all(stage_, error);
   if (!fs::create_directory(stage_, error)) throw failure("write to", folder, error.value());

@@ -29,9 +29,14 @@ enum class ResultValue {
   kPlan      // certified
 };
 
-// Decides by the status in plan.json. A folder with a trajectory.csv, whatever the status, or with a plan.json without
-// a status (which is not from fjr) counts as one with a certified plan.
+// Decides by the status in plan.json. A folder with rows in trajectory.csv, whatever the status, or with a plan.json
+// without a status (which is not from fjr) counts as one with a certified plan; one that has lost its rows as an
+// answer.
 ResultValue value_of_results(const std::filesystem::path& folder);
+
+// Throws InputError if something in the folder keeps results from being written there: a folder with the name of one of
+// their files, or a file with that of the folder for results that were replaced.
+void check_names_in(const std::filesystem::path& folder);
 
 bool has_certified_plan(const std::filesystem::path& folder);  // by the status in plan.json
 
@@ -49,7 +54,7 @@ class FolderLock {
 // New results that are written to a temporary folder and then published.
 class NewResults {
  public:
-  // Creates the folder if necessary. Throws std::runtime_error if that fails.
+  // Creates the folder if necessary. Throws std::runtime_error if that fails, and InputError as check_names_in().
   explicit NewResults(const std::filesystem::path& folder);
   ~NewResults();  // removes results that were not published
   NewResults(const NewResults&) = delete;

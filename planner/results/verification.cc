@@ -140,11 +140,12 @@ void check_against_planned(const PlannedMotion& planned, const Trajectory& traje
   }
   if (std::abs(trajectory.end_time() - planned.ends.back()) > kSameTime) {
     v.certificate.certified = false;
-    v.certificate.failures.push_back(fmt::format("the rows end at {} s, and the motion of plan.json at {} s",
-                                                 trajectory.end_time(), planned.ends.back()));
+    v.certificate.failures.push_back(fmt::format("the rows end at {} s, and the motion of {} at {} s",
+                                                 trajectory.end_time(), planned.told_by, planned.ends.back()));
   }
   if (!planned.start || planned.goals.empty()) {
-    v.contradictions.push_back("plan.json does not say from where to where the motion was to go: that is not checked");
+    v.contradictions.push_back(planned.told_by +
+                               " does not say from where to where the motion was to go: that is not checked");
     return check_against_task(v.robot, planned.task, planned.ends, trajectory, v.certificate);
   }
   Problem asked;

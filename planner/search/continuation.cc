@@ -209,6 +209,12 @@ ChangeOutcome Continuation::keep_margins(const std::vector<LimitCheck>& checks) 
   return widened;
 }
 
+ChangeOutcome Continuation::keep_margins_of_rollout(const std::vector<LimitCheck>& checks) {
+  const ChangeOutcome widened = widen_by_rollout(checks, attempts_);
+  if (widened == ChangeOutcome::kSolved) tighten();
+  return widened;
+}
+
 ChangeOutcome Continuation::creep(double shortest) { return keep_motors_moving(attempts_, shortest); }
 
 }  // namespace fjr

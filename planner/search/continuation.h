@@ -94,8 +94,12 @@ class Continuation {
   Completion tighten();
 
   // Widens margins where the published rows exceed limits, and solves again: interpolation between rows may exceed what
-  // the collocation polynomial keeps. (A limit exceeded only in the rollout needs more accuracy, not a margin.)
+  // the collocation polynomial keeps.
   ChangeOutcome keep_margins(const std::vector<LimitCheck>& checks);
+
+  // Widens the margins of limits that only the rollout exceeds, and solves again, for where more accuracy has not
+  // helped.
+  ChangeOutcome keep_margins_of_rollout(const std::vector<LimitCheck>& checks);
 
   // Solves again with motors kept moving where they would rest for `shortest` [s] and more, and unstably (creep.h).
   ChangeOutcome creep(double shortest);

@@ -38,7 +38,7 @@ class FastestMotion {
     // found, as for the request for that motion: of 41 durations that were up to a tenth too short no other minimum was
     // enough.
     const bool fits = (take_sketch() ? refine_up_to(allowed_) : try_starts(starts.guesses, 0, 1)) ||
-                      try_starts(starts.guesses, 1, starts.always) || try_again(starts.along_paths_again) ||
+                      try_starts(starts.guesses, 1, starts.always) || try_again(starts.guesses) ||
                       (!shortest_so_far() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
     if (!fits && shortest_so_far()) refine_up_to(*shortest_so_far());
     if (!shortest_) return std::nullopt;
@@ -59,19 +59,18 @@ class FastestMotion {
 
   // Solves the problem from these guesses, and refines what may come to no more time than is allowed. Returns whether
   // one does.
-  bool try_starts(const std::vector<Guess>& guesses, std::size_t first, std::size_t last) {
-    const auto at = [&](std::size_t i) { return guesses.begin() + static_cast<std::ptrdiff_t>(i); };
-    first = std::min(first, guesses.size());
-    const std::vector<std::size_t> failed = begin({at(first), at(std::clamp(last, first, guesses.size()))});
-    for (const std::size_t i : failed) failed_.push_back(first + i);
+  bool try_starts(const std::vector<StartGuess>& starts, std::size_t first, std::size_t last) {
+    std::vector<Guess> guesses;
+    for (std::size_t i = first; i < std::min(last, starts.size()); ++i) guesses.push_back(starts[i].guess);
+    for (const std::size_t i : begin(guesses)) failed_.push_back(first + i);
     return refine_up_to(allowed_);
   }
 
   // Does the same for the starts that led nowhere, from their other guesses along the same paths, if they have any.
-  bool try_again(const std::vector<Guess>& along_paths) {
+  bool try_again(const std::vector<StartGuess>& starts) {
     std::vector<Guess> guesses;
     for (const std::size_t i : failed_) {
-      if (i < along_paths.size()) guesses.push_back(along_paths[i]);
+      if (starts[i].along_path_again) guesses.push_back(*starts[i].along_path_again);
     }
     begin(guesses);
     return refine_up_to(allowed_);

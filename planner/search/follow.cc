@@ -52,7 +52,7 @@ struct Begun {
   StartOutcome outcome;
 };
 
-// The problem with its end given.
+// Returns the problem with q as its goal, where the request leaves joints of the goal free.
 std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<double>& q) {
   Problem given = problem;
   given.goal.q = q;

@@ -35,13 +35,13 @@ std::optional<Guess> beside_the_best(const Alternative& alternative, double away
   return displaced_guess(guess_of(best->motion, best->durations), away, seed);
 }
 
-// Returns the guess of start i, which is one near the best motion so far in place of some random ones.
+// Returns the guess of start i, or one near the best motion so far where that is to take its place.
 Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::size_t i, double away,
                      const Findings& found) {
-  if (i >= starts.guided && (i < starts.guided + starts.near_the_best || (i - starts.guided) % 2 == 1)) {
+  if (starts.guesses[i].near_the_best) {
     if (auto near = beside_the_best(alternative, away, found.asked.seed * 1000 + i, found)) return std::move(*near);
   }
-  return starts.guesses[i];
+  return starts.guesses[i].guess;
 }
 
 // Returns whether the limits that are larger than the asked ones are so by less.
@@ -209,8 +209,8 @@ bool wants_start(const Turn& turn, std::size_t i, int asked, const StartOrderSet
 void try_again(Turn& turn, Findings& found, Session& session) {
   Wave wave;
   for (const std::size_t i : turn.failed) {
-    if (i >= turn.starts.along_paths_again.size()) continue;
-    wave.add(turn, i, {turn.alternative, turn.starts.along_paths_again[i], fmt::format("start {} again", i + 1)});
+    const std::optional<Guess>& other = turn.starts.guesses[i].along_path_again;
+    if (other) wave.add(turn, i, {turn.alternative, *other, fmt::format("start {} again", i + 1)});
   }
   if (wave.starts.empty() || session.interrupted()) return;
   found.starts_planned += static_cast<int>(wave.starts.size());
@@ -236,7 +236,7 @@ void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none,
     if (beside.end_search_before(i)) return;
     for (Turn& turn : turns) {
       if (session.interrupted()) return;
-      if (i > 0 && i == turn.starts.along_paths_again.size()) {
+      if (i > 0 && i == count_along_paths(turn.starts)) {
         if (!wave.starts.empty()) try_wave(wave, found, session);
         try_again(turn, found, session);
       }
@@ -245,7 +245,7 @@ void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none,
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       wave.add(turn, i,
                {turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found), label,
-                i >= turn.starts.by_ipopt});
+                turn.starts.guesses[i].by_interior_point});
       if (wave.starts.size() >= (found.candidates.empty() ? 1 : order.at_a_time)) try_wave(wave, found, session);
     }
   }

@@ -44,6 +44,13 @@ std::vector<double> rollout_errors(const Parameters& robot, const Collocated& so
   return errors;
 }
 
+// Returns whether the arm follows the rows as it should, and exceeds limits all the same.
+bool only_limits_fail(const Certificate& certificate) {
+  const auto exceeded = std::count_if(certificate.limits.begin(), certificate.limits.end(),
+                                      [](const LimitCheck& check) { return !check.passed; });
+  return static_cast<std::size_t>(exceeded) == certificate.failures.size();
+}
+
 }  // namespace
 
 Trajectory rows_of(Problem asked, const Motion& motion, double row_error, std::size_t most) {
@@ -81,12 +88,17 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     if (published.certified()) break;
     const Publication& refused = *published.last;
     const int solutions = c.solutions();
-    // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead, in the end a
-    // shorter one too. Everything else needs a more accurate solution and finer rows.
+    // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead. Everything else
+    // needs a more accurate solution and finer rows at first; later, shorter rests and limits that only the rollout
+    // exceeds are treated in the same way, these if nothing else is wrong with the rollout.
+    const bool by_accuracy = round < s.rounds_by_accuracy;
     const double shortest_rest =
-        session.settings().continuation.creep.shortest_rest * (round + 2 < s.rounds ? 1 : s.shorter_rests);
-    const bool other_motion = c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved ||
-                              c.creep(shortest_rest) == ChangeOutcome::kSolved;
+        session.settings().continuation.creep.shortest_rest * (by_accuracy ? 1 : s.shorter_rests);
+    const bool slower = !by_accuracy && only_limits_fail(refused.certificate);
+    const bool other_motion =
+        c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved ||
+        (slower && c.keep_margins_of_rollout(refused.certificate.limits) == ChangeOutcome::kSolved) ||
+        c.creep(shortest_rest) == ChangeOutcome::kSolved;
     if (session.interrupted()) break;
     if (!other_motion) {  // the errors belong to the intervals of this solution
       c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));

@@ -62,8 +62,8 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
     for (std::size_t row = 0; row < r.task.size(); ++row) {
       // A row along a line gets no margin of its own: where it lacks one, the row across the same line gets a wider
       // one.
-      if (rows[row].along && r.task[row].passed) continue;
-      const std::size_t index = kLimits + row - (rows[row].along ? 1 : 0);
+      if (rows[row].across && r.task[row].passed) continue;
+      const std::size_t index = kLimits + rows[row].across.value_or(row);
       margins[index] = std::max(margins[index], of(r.task[row]));
     }
     for (std::size_t i = 0; i < margins.size() && !before.margins.empty(); ++i) {

@@ -280,6 +280,7 @@ template <SettingsOf<PublicationSettings> S, class Visit>
 constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"rounds", "1", 1, 8}, s.rounds);
   visit({"finer_rows", "1", 0.1, 1}, s.finer_rows);
+  visit({"rounds_by_accuracy", "1", 0, 100}, s.rounds_by_accuracy);
   visit({"shorter_rests", "1", 0.01, 1}, s.shorter_rests);
 }
 

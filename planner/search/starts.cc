@@ -1,10 +1,8 @@
 #include "planner/search/starts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -15,13 +13,6 @@
 
 namespace fjr {
 namespace {
-
-constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-
-template <class Guesses>
-void append(const Guesses& guesses, std::vector<Guess>& to) {
-  to.insert(to.end(), guesses.begin(), guesses.end());
-}
 
 // Returns sets of one path per segment: round obstacles, on both sides if possible; along the tip's line or arc, and if
 // that is wide through its region too. Returns none if nothing asks for it.
@@ -169,14 +160,13 @@ std::vector<Guess> throwing_guesses(const Problem& problem, double fraction_of_s
 
 // With time to spare a motor rests, and minima differ by when it does.
 constexpr std::size_t kWaiting = 2;
-std::array<Guess, kWaiting> waiting_guesses(const Guess& guess, const StartSettings& settings) {
+std::vector<Guess> waiting_guesses(const Guess& guess, const StartSettings& settings) {
   return {waiting_guess(guess, settings.waiting, 0), waiting_guess(guess, 0, settings.waiting)};
 }
 
-// The waiting ones are first.
+// Returns guesses in which joints rest: first the kWaiting ones that wait at an end, then others.
 std::vector<Guess> resting_guesses(const Problem& problem, double duration, const StartSettings& settings) {
-  std::vector<Guess> guesses;
-  append(waiting_guesses(minimum_jerk_guess(problem, duration), settings), guesses);
+  std::vector<Guess> guesses = waiting_guesses(minimum_jerk_guess(problem, duration), settings);
   if (auto hanging = hanging_guess(problem, duration)) guesses.push_back(std::move(*hanging));
   for (std::size_t j = 0; j < kJoints; ++j) guesses.push_back(staggered_guess(problem, duration, j));
   return guesses;
@@ -195,6 +185,37 @@ std::vector<Guess> clear_ones_of(std::vector<Guess> guesses, const Problem& prob
   return guesses;
 }
 
+enum class FirstSolve { kByIpopt, kByInteriorPoint };
+
+void add(const std::vector<Guess>& guesses, FirstSolve solve, Starts& starts) {
+  for (const Guess& guess : guesses) {
+    starts.guesses.push_back({.guess = guess, .by_interior_point = solve == FirstSolve::kByInteriorPoint});
+  }
+}
+
+// Adds guesses that keep clear of obstacles. smooth: those along the paths round them.
+void add_clear_guesses(const Problem& problem, double duration, const std::vector<Path>& path,
+                       const std::vector<Guess>& smooth, const StartSettings& settings, Starts& starts) {
+  constexpr FirstSolve kSolve = FirstSolve::kByInteriorPoint;
+  add(smooth, kSolve, starts);
+  add(clear_guesses_by_postures(problem, duration, path), kSolve, starts);
+  starts.enough = starts.guesses.size() + settings.further;
+  for (const Guess& guess : smooth) add(waiting_guesses(guess, settings), kSolve, starts);
+  add(clear_ones_of(plain_guesses(problem, duration), problem), kSolve, starts);
+  add(clear_ones_of(resting_guesses(problem, duration, settings), problem), kSolve, starts);
+}
+
+// Adds the guesses of motions that obstacles are no matter of, or only time. other_ends: those of free joints.
+void add_usual_guesses(const Problem& problem, double duration, const std::vector<Guess>& other_ends,
+                       FirstSolve later_solves, const StartSettings& settings, Starts& starts) {
+  add(plain_guesses(problem, duration), FirstSolve::kByIpopt, starts);
+  add(throwing_guesses(problem, settings.throwing_speed), FirstSolve::kByIpopt, starts);
+  const bool rests = sees_friction(problem.weights);
+  starts.enough = starts.guesses.size() + (rests ? kWaiting : 0) + settings.further + other_ends.size();
+  if (rests) add(resting_guesses(problem, duration, settings), later_solves, starts);
+  add(other_ends, later_solves, starts);
+}
+
 // Returns the starts of the motion without its pause, with the pause put in.
 Starts starts_with_pause(const Problem& problem, int count, const StartSettings& settings) {
   const Pause& pause = *problem.variation.pause;
@@ -203,8 +224,10 @@ Starts starts_with_pause(const Problem& problem, int count, const StartSettings&
   moving.duration.max -= pause.duration();
   moving.duration.min = moving.duration.max;
   Starts starts = starts_of(moving, count, settings);
-  for (std::vector<Guess>* guesses : {&starts.guesses, &starts.along_paths_again}) {
-    for (Guess& guess : *guesses) guess = paused_guess(std::move(guess), pause.begin, pause.duration());
+  for (StartGuess& start : starts.guesses) {
+    start.guess = paused_guess(std::move(start.guess), pause.begin, pause.duration());
+    if (!start.along_path_again) continue;
+    start.along_path_again = paused_guess(*std::move(start.along_path_again), pause.begin, pause.duration());
   }
   return starts;
 }
@@ -226,56 +249,59 @@ int starts_to_try(const Problem& problem, int asked, const StartSettings& settin
   return usual;
 }
 
+std::vector<Guess> guesses_of(const Starts& starts) {
+  std::vector<Guess> guesses;
+  for (const StartGuess& start : starts.guesses) guesses.push_back(start.guess);
+  return guesses;
+}
+
+std::size_t count_along_paths(const Starts& starts) {
+  const auto has_none = [](const StartGuess& start) { return !start.along_path_again; };
+  const auto first = std::find_if(starts.guesses.begin(), starts.guesses.end(), has_none);
+  return static_cast<std::size_t>(first - starts.guesses.begin());
+}
+
 Starts starts_of(const Problem& problem, int count, const StartSettings& settings) {
   if (problem.variation.pause) return starts_with_pause(problem, count, settings);
   const double duration = duration_guess(problem);
   const std::vector<std::vector<Path>> paths = task_paths(problem, settings.most_paths);
-  Starts starts;
-  for (const std::vector<Path>& p : paths) starts.guesses.push_back(path_guess(problem, duration, p));
-  starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
-  if (passes_vias_moving(problem)) starts.guesses.push_back(passing_guess(problem));
-  const std::vector<Guess> other_ends = guesses_of_other_ends(problem, settings);
-  std::vector<Guess> smooth;
-  if (wants_clear_guesses(problem)) {
-    append(other_ends, starts.guesses);
-    starts.by_ipopt = starts.guesses.size();
+  const bool keeps_clear = wants_clear_guesses(problem);
+  std::vector<Guess> smooth;  // along the paths
+  if (may_choose_path(problem.task)) {
     for (const std::vector<Path>& p : paths) smooth.push_back(smooth_path_guess(problem, duration, p));
-    append(smooth, starts.guesses);
-    append(clear_guesses_by_postures(problem, duration, paths.front()), starts.guesses);
-    starts.enough = starts.guesses.size() + settings.further;
-    for (const Guess& guess : smooth) append(waiting_guesses(guess, settings), starts.guesses);
-    append(clear_ones_of(plain_guesses(problem, duration), problem), starts.guesses);
-    append(clear_ones_of(resting_guesses(problem, duration, settings), problem), starts.guesses);
-    starts.near_the_best = settings.near_the_best_among_obstacles;
+  }
+  Starts starts;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    starts.guesses.push_back({.guess = path_guess(problem, duration, paths[i])});
+    if (!keeps_clear && !smooth.empty()) starts.guesses.back().along_path_again = smooth[i];
+  }
+  starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
+  if (passes_vias_moving(problem)) add({passing_guess(problem)}, FirstSolve::kByIpopt, starts);
+  const std::vector<Guess> other_ends = guesses_of_other_ends(problem, settings);
+  const bool own = keeps_clear || (sees_friction(problem.weights) && count_of_rows(problem.task) == 0);
+  const FirstSolve later_solves = own ? FirstSolve::kByInteriorPoint : FirstSolve::kByIpopt;
+  if (keeps_clear) {
+    add(other_ends, FirstSolve::kByIpopt, starts);
+    add_clear_guesses(problem, duration, paths.front(), smooth, settings, starts);
   } else {
-    if (may_choose_path(problem.task)) {
-      for (const std::vector<Path>& p : paths) {
-        starts.along_paths_again.push_back(smooth_path_guess(problem, duration, p));
-      }
-    }
-    append(plain_guesses(problem, duration), starts.guesses);
-    append(throwing_guesses(problem, settings.throwing_speed), starts.guesses);
-    const bool frictional = sees_friction(problem.weights);
-    starts.by_ipopt = frictional && count_of_rows(problem.task) == 0 ? starts.guesses.size() : kAll;
-    starts.enough = starts.guesses.size() + (frictional ? kWaiting : 0) + settings.further;
-    if (frictional) append(resting_guesses(problem, duration, settings), starts.guesses);
-    append(other_ends, starts.guesses);
-    starts.enough += other_ends.size();
+    add_usual_guesses(problem, duration, other_ends, later_solves, settings, starts);
   }
   if (count > 1) starts.always += other_ends.size();  // if one start was asked for, only one is tried
-  starts.guided = starts.guesses.size();
-  const std::size_t count_of_all = std::max(starts.always, starts.enough);
+  const std::size_t made_for_request = starts.guesses.size(), count_of_all = std::max(starts.always, starts.enough);
+  const std::size_t first_near = keeps_clear ? settings.near_the_best_among_obstacles : 0;
   for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {
     const std::uint64_t seed = problem.seed * 1000 + i;
-    starts.guesses.push_back(smooth.empty()
-                                 ? displaced_guess(problem, duration, settings.far_away, seed)
-                                 : displaced_clear_guess(problem, smooth[i % smooth.size()], settings.far_away, seed));
+    const std::size_t displaced = starts.guesses.size() - made_for_request;
+    Guess guess = keeps_clear ? displaced_clear_guess(problem, smooth[i % smooth.size()], settings.far_away, seed)
+                              : displaced_guess(problem, duration, settings.far_away, seed);
+    add({std::move(guess)}, later_solves, starts);
+    starts.guesses.back().near_the_best = displaced < first_near || displaced % 2 == 1;
   }
   return starts;
 }
 
 std::vector<Guess> first_guesses(const Problem& problem, const StartSettings& settings) {
-  return starts_of(problem, settings.for_neighbour, settings).guesses;
+  return guesses_of(starts_of(problem, settings.for_neighbour, settings));
 }
 
 }  // namespace fjr

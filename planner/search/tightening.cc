@@ -46,6 +46,15 @@ double margin_growth(int round, const Collocated& solution, const TighteningSett
   return nothing_changed ? settings.ineffective_growth : settings.growth;
 }
 
+// Solves again with margins that are wider by these excesses of each interval.
+ChangeOutcome solve_with_wider_margins(const std::vector<PerLimit>& excesses, Attempts& attempts) {
+  CollocationSetup setup = attempts.solution().setup;
+  const double growth = attempts.settings().tightening.growth;
+  if (!widen(setup.margins, excesses, attempts.problem(), growth)) return ChangeOutcome::kNotNeeded;
+  const std::string what = fmt::format("{}, margins from the certificate", attempts.label());
+  return attempts.warm(what, setup, attempts.warm_options(what)) ? ChangeOutcome::kSolved : ChangeOutcome::kFailed;
+}
+
 // The solution with the least peak torque in its rows of all rounds that keep the limits; it need not be the last one.
 // Where a motor reverses, a peak that is lowered in one interval can come up in the next.
 class LowestPeak {
@@ -159,10 +168,16 @@ ChangeOutcome widen_by_checks(const std::vector<LimitCheck>& checks, Attempts& a
       more[k][check.index] = check.reached - limit;
     }
   }
-  CollocationSetup setup = solution.setup;
-  if (!widen(setup.margins, more, problem, attempts.settings().tightening.growth)) return ChangeOutcome::kNotNeeded;
-  const std::string what = fmt::format("{}, margins from the certificate", attempts.label());
-  return attempts.warm(what, setup, attempts.warm_options(what)) ? ChangeOutcome::kSolved : ChangeOutcome::kFailed;
+  return solve_with_wider_margins(more, attempts);
+}
+
+ChangeOutcome widen_by_rollout(const std::vector<LimitCheck>& checks, Attempts& attempts) {
+  PerLimit more(limit_scales(attempts.problem()).size(), 0.0);
+  for (const LimitCheck& check : checks) {
+    if (!check.passed) more[check.index] = std::max(0.0, check.rollout - check.limit);
+  }
+  const std::vector<PerLimit> everywhere(attempts.solution().setup.mesh.size(), more);
+  return solve_with_wider_margins(everywhere, attempts);
 }
 
 ChangeOutcome keep_motors_moving(Attempts& attempts, double shortest_rest) {

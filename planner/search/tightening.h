@@ -24,6 +24,10 @@ ChangeOutcome split_by_errors(const std::vector<double>& errors, Attempts& attem
 // Widens margins where the published rows exceed limits, and solves again.
 ChangeOutcome widen_by_checks(const std::vector<LimitCheck>& checks, Attempts& attempts);
 
+// Widens the margins of limits that the rollout exceeds, on all intervals by as much, and solves again. Errors of the
+// rollout move along the motion with every solution, and so would margins on a few intervals.
+ChangeOutcome widen_by_rollout(const std::vector<LimitCheck>& checks, Attempts& attempts);
+
 // Solves again with motors kept moving where their rest would be unstable (creep.h).
 ChangeOutcome keep_motors_moving(Attempts& attempts, double shortest_rest);
 

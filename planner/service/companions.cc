@@ -24,7 +24,7 @@ void Companions::ready(std::size_t which) {
   if (last_of_all(ready_, which)) tell_ready();
 }
 
-// One that hangs keeps the watchdog from hearing of the others.
+// The watchdog hears of them only when all are alive, so that one that hangs is noticed.
 void Companions::alive(std::size_t which) {
   const std::lock_guard lock(mutex_);
   if (!last_of_all(alive_, which)) return;

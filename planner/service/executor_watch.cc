@@ -12,8 +12,9 @@ namespace {
 constexpr double kFresh = 0.5;             // [s] a state may be old; the executor's period is a millisecond
 constexpr std::chrono::seconds kTaken{1};  // until the executor's state shows that it has accepted a trajectory
 
-double age_of(ExecutorWatch::Clock::time_point then) {
-  return std::chrono::duration<double>(ExecutorWatch::Clock::now() - then).count();
+double age_of(ExecutorWatch::Clock::time_point then,
+              ExecutorWatch::Clock::time_point now = ExecutorWatch::Clock::now()) {
+  return std::chrono::duration<double>(now - then).count();
 }
 
 const char* doing(ExecutorMode mode) {
@@ -53,8 +54,9 @@ ExecutorWatch::ExecutorWatch(std::string robot_id, std::string robot_hash)
 
 void ExecutorWatch::heard(const ExecutorState& state, std::uint64_t source, Clock::time_point now) {
   if (state.robot_id != robot_id_) return;
-  std::erase_if(speakers_,
-                [&](const Speaker& speaker) { return speaker.source == source || age_of(speaker.heard) > kFresh; });
+  std::erase_if(speakers_, [&](const Speaker& speaker) {
+    return speaker.source == source || age_of(speaker.heard, now) > kFresh;
+  });
   speakers_.push_back({source, state, now});
   met_ = true;
 }

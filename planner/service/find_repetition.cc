@@ -27,7 +27,8 @@ Limits limits_of_plan(const Parameters& robot, const Json& plan) {
   return limits_of(robot, planned_with(header, "plan.json"));
 }
 
-// What another version has written of earlier runs, and nobody can read, is left out.
+// Returns where the motors began in earlier runs. If another version has written these in a form that cannot be read,
+// they are removed from `plan`.
 std::optional<Joints<double>> motors_began_by(Json& plan) {
   try {
     return motors_began_before({plan, "plan.json"});

@@ -19,10 +19,11 @@ enum class FrameKind : std::uint32_t {
   kPlanJson,        // from the worker
   kRows,            // from the worker: samples, of a certified trajectory only
   kErrors,          // from the worker: LinkErrors of these samples
-  kDone,            // from the worker: the PlanStatus and the reason; it is idle again
+  kDone,            // from the worker: the PlanStatus and the reason
   kFindStops,       // to the worker: samples of a certified trajectory; it starts
   kFindRepetition,  // to the worker: a RunOfMotion (repetition_frame.h); it starts
   kStops,           // from the worker: their StopMotions; empty if there is none for some instant
+  kIdle,            // from the worker: after every kDone, when it reads its next frame
 };
 
 struct Frame {

@@ -52,6 +52,11 @@ class JobQueue {
     for (const Job& job : jobs_) participants.insert(job.order.origin);
     return of(origin) >= std::clamp<std::size_t>(most / participants.size(), 1, capacity_);
   }
+  // Returns the number of jobs of a participant.
+  std::size_t of(const Origin& origin) const {
+    return static_cast<std::size_t>(
+        std::count_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.order.origin == origin; }));
+  }
   bool empty() const { return jobs_.empty(); }
   std::size_t size() const { return jobs_.size(); }
   std::size_t capacity() const { return capacity_; }
@@ -101,10 +106,6 @@ class JobQueue {
  private:
   static constexpr std::size_t kClients = 8;  // number of participants that may use their full capacity
 
-  std::size_t of(const Origin& origin) const {
-    return static_cast<std::size_t>(
-        std::count_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.order.origin == origin; }));
-  }
   std::uint64_t last_turn(const Job& job) const {
     const auto found = last_turn_.find(job.order.origin);
     return found == last_turn_.end() ? 0 : found->second;

@@ -14,7 +14,8 @@ namespace {
 constexpr std::array kExecutorModes{ExecutorMode::kResting,  ExecutorMode::kPreparing, ExecutorMode::kExecuting,
                                     ExecutorMode::kStopping, ExecutorMode::kHolding,   ExecutorMode::kStopped};
 
-// As the format has it: a backslash, a quote and the end of a line are escaped.
+// Returns a label value as the text format of Prometheus writes it: quoted, with backslashes, quotes and ends of lines
+// escaped.
 std::string label_value(std::string_view label) {
   std::string text = "\"";
   for (const char c : label) {
@@ -30,10 +31,11 @@ std::string label_value(std::string_view label) {
 
 class Page {
  public:
-  // What stands in front of the labels of all samples from now on.
+  // Sets labels that all samples from now on begin with.
   void label_all(std::string labels) { common_ = std::move(labels); }
 
-  // The samples of a family follow it; the format has those of all services stand together.
+  // Begins a metric, to which the samples after this call belong. If several services have it, their samples stand
+  // together, because the format allows every metric only once.
   void family(std::string_view name, std::string_view type, std::string_view help) {
     const auto is_it = [&](const Family& family) { return family.name == name; };
     family_ = static_cast<std::size_t>(std::ranges::find_if(families_, is_it) - families_.begin());
@@ -127,7 +129,7 @@ void add_executor(Page& page, const std::optional<ExecutorState>& executor) {
   }
 }
 
-// It names the robot itself.
+// Adds who the service is. This names the robot itself, so that it does without the labels of other samples.
 void add_identity(Page& page, const ServiceStatus& s) {
   page.label_all("");
   page.family("fjr_info", "gauge", "Who it is; always 1.");

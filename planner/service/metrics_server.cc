@@ -18,7 +18,8 @@ constexpr const char* kExposition = "text/plain; version=0.0.4; charset=utf-8";
 constexpr time_t kSlowest = 1;  // [s] that a reader may take to say something, and between two packets
 constexpr std::chrono::seconds kTryPortAgain{1}, kToEnd{1};
 
-// One reader after the other, in the thread that accepts them: many of them cost no more descriptors than one.
+// Serves one reader after the other, in the thread that accepts connections, so that many readers take no more file
+// descriptors than one.
 class OneByOne : public httplib::TaskQueue {
  public:
   using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));  // bool, but void in Debian 12
@@ -29,7 +30,8 @@ class OneByOne : public httplib::TaskQueue {
   void shutdown() override {}
 };
 
-// Not httplib's own, which lets two processes share a port.
+// Lets a restarted service listen on its port at once. httplib would set SO_REUSEPORT too, and two services could then
+// share a port without either noticing.
 void reuse_address(int socket) {
   const int yes = 1;
   ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -63,7 +65,7 @@ void MetricsServer::Shared::set_up() {
   });
 }
 
-// False: the service ends.
+// Waits until the port can be listened on. Returns false if the service ends before that.
 bool MetricsServer::Shared::wait_for_port(int port) {
   bool told = false;
   std::unique_lock lock(mutex);
@@ -93,8 +95,8 @@ MetricsServer::MetricsServer(std::uint16_t port) : shared_(std::make_shared<Shar
   thread_ = std::thread([shared = shared_, port] { shared->run(port); });
 }
 
-// A reader that never ends must not keep the service from ending: its thread has what it needs, and goes with the
-// process.
+// A reader that never closes its connection must not keep the service from ending: then the thread is detached. It
+// shares ownership of what it uses, and ends with the process.
 MetricsServer::~MetricsServer() {
   std::unique_lock lock(shared_->mutex);
   shared_->stopping = true;

@@ -30,8 +30,13 @@ class OnePerRobot {
     std::vector<std::exception_ptr> problems(hosts_.size());
     {
       std::vector<std::jthread> threads;
-      for (std::size_t i = 1; i < hosts_.size(); ++i) {
-        threads.emplace_back([this, i, &problem = problems[i]] { run(*hosts_[i], problem); });
+      try {
+        for (std::size_t i = 1; i < hosts_.size(); ++i) {
+          threads.emplace_back([this, i, &problem = problems[i]] { run(*hosts_[i], problem); });
+        }
+      } catch (...) {  // out of threads: those that run would never end
+        stop();
+        throw;
       }
       run(*hosts_.front(), problems.front());
     }

@@ -13,7 +13,8 @@
 
 namespace fjr {
 
-// A live client is heard at least this often [s], because it is asked with every second heartbeat at the latest.
+// [s] Least start_within that a request may ask for. A live client is heard of with every second heartbeat, 0.3 s, at
+// the latest, so that a shorter one would refuse live clients.
 inline constexpr double kLeastStartWithin = 0.5;
 
 inline Refusal client_gone() {

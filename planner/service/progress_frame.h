@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "planner/plan.h"
+#include "planner/search/account.h"
 
 namespace fjr {
 

@@ -54,10 +54,10 @@ std::optional<Job> RemoteSolvers::solve(Job job) {
 }
 
 void RemoteSolvers::end(const WorkerId& worker, const LeaseId& lease) {
-  (void)port_.send(worker, word(lease, LeaseKind::kOver));  // said again while its offers name it
+  (void)port_.send(worker, word(lease, LeaseKind::kOver));  // repeated for as long as the worker offers to go on
 }
 
-// Offers first: what they extend does not run out.
+// Takes offers first, because they extend leases that would otherwise run out below.
 Solvers::News RemoteSolvers::take_news() {
   Solvers::News news;
   for (const auto& [offer, alive] : port_.take_offers()) alive ? hear(offer, news) : lose(offer.worker, "gone", news);

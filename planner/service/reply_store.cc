@@ -150,8 +150,8 @@ void ReplyStore::add(SharedReply reply) {
 void ReplyStore::forget(const RequestId& id) {
   {
     const std::lock_guard lock(mutex_);
-    if (std::erase_if(changes_, [&](const Change& change) { return change.id == id; }) > 0) return;
-    changes_.push_back({id, nullptr});
+    std::erase_if(changes_, [&](const Change& change) { return change.id == id; });
+    changes_.push_back({id, nullptr});  // an earlier reply of that id may be on disk, or be written now
   }
   changed_.notify_one();
 }
@@ -177,7 +177,9 @@ void ReplyStore::tell(const std::string& problem) const {
 }
 
 void ReplyStore::note_settled(const std::vector<Change>& changes) {
-  for (const Change& change : changes) settled_.push_back(change.id);
+  for (const Change& change : changes) {
+    if (change.reply) settled_.push_back(change.id);
+  }
 }
 
 void ReplyStore::keep_writing(const std::stop_token& over) {

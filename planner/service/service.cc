@@ -108,7 +108,8 @@ std::chrono::nanoseconds Service::time_to_next() const {
 void Service::heartbeat() {
   const auto now = Clock::now();
   if (now - last_heartbeat_ > kLease) {
-    // The others have taken this instance for gone: it does nothing before it knows what became of its robot.
+    // Other instances have concluded that this one has ended, and one of them may lead by now. It must not act before
+    // it has heard who leads, and what the executor is doing.
     spdlog::warn("absent for {:.2f} s", seconds(now - last_heartbeat_));
     settled_at_ = now + kSettle;
     waited_ = true;

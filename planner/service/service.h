@@ -74,7 +74,6 @@ class Service {
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
   bool answers_cancel(const std::string& robot_id) const;
-  void cancel_waiting(const Backlog::Entry& entry);
 
   // Repetitions (service_repetitions.cc).
   RequestId motion_of(const RequestId& trajectory_id) const;

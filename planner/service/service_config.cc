@@ -67,7 +67,7 @@ void read_robots(const YamlNode& root, const std::filesystem::path& folder, Serv
     const auto file = item.find("robot");
     robot.file = file ? folder / file->text() : default_robot_file();
   }
-  if (config.robots.empty()) list->fail("no robot");
+  if (config.robots.empty()) list->fail("an empty list: name at least one robot, or leave it out");
   if (config.robots.size() > 1 && config.joint_trajectory) {
     root.at("ros2").at("joint_trajectory").fail("true, but the topic is one robot's alone, and `robots` has several");
   }
@@ -77,6 +77,15 @@ void read_metrics(const YamlNode& node, ServiceConfig& config) {
   node.allow_keys({"port"});
   config.metrics_port = 9464;  // what OpenTelemetry's exporters use
   read_whole(node, "port", 0, 65535, *config.metrics_port);
+}
+
+// Returns the folder that a key names, relative to the configuration file. It need not be there yet.
+std::filesystem::path folder_named(const YamlNode& node, const std::filesystem::path& file) {
+  const std::filesystem::path folder = file.parent_path() / node.text();
+  std::error_code ignored;
+  const bool other = std::filesystem::exists(folder, ignored) && !std::filesystem::is_directory(folder, ignored);
+  if (other) node.fail(fmt::format("{} is a file, not a folder", folder.string()));
+  return folder;
 }
 
 // A request that names no budget gets the default one, which may not be above what a request may ask for.
@@ -133,7 +142,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);
   if (const auto node = root.find("metrics")) read_metrics(*node, config);
-  if (const auto node = root.find("library")) config.library = file.parent_path() / node->text();
+  if (const auto node = root.find("library")) config.library = folder_named(*node, file);
   if (const auto node = root.find("remember")) config.remember = file.parent_path() / node->text();
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
   read_robots(root, file.parent_path(), config);

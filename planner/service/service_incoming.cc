@@ -108,7 +108,9 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
     if (const auto stopped = executor_.stopped()) return reject(order, {Reason::kArmNotAtRest, "", *stopped});
   }
   if (queue_.full_for(order.origin)) {
-    return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
+    return reject(order, {Reason::kQueueFull, "",
+                          fmt::format("{} requests of this client's participant wait already, {} of all",
+                                      queue_.of(order.origin), queue_.size())});
   }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
   if (order.action == Action::kRepeat) return repeat_motion(order, arrived);

@@ -154,7 +154,7 @@ void Service::publish(const Reply& reply) {
   if (signer_) order.signature = signer_->sign(signed_bytes(order));
   executor_.published(reply.id);
   if (!port_.send(order) && log_requests_.allows()) {
-    spdlog::error("not published id={}: the executor is too slow", text(reply.id));
+    spdlog::error("perhaps not published id={}: a reader of the trajectories has no room for it", text(reply.id));
   }
   if (ros_) ros_->send(order);
 }

@@ -27,8 +27,8 @@ void Slots::disown() {
 
 std::optional<Job> Slots::solve(Job job) {
   const auto elsewhere = owner_ ? elsewhere_->load() : std::nullopt;
-  // The workers elsewhere may have gone since may_solve() was asked.
-  if (!elsewhere && !here_.may_solve()) return job;
+  // The workers elsewhere may have gone since may_solve() was asked, or this job cannot go there.
+  if ((!elsewhere || solved_here(job)) && !here_.may_solve()) return job;
   if (!elsewhere || solved_here(job) || (here_.may_solve() && here_.load() <= *elsewhere)) {
     here_.solve(std::move(job));
     return std::nullopt;

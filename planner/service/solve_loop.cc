@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstring>
 #include <exception>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -56,7 +55,7 @@ void solve(int out, const Problem& problem, const std::string& request, const Wo
   write_frame(out, FrameKind::kPlanJson, json_text(plan_json(problem, result)));
   if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory, *result.certificate);
   send_done(out, result.status, result.reason);
-  learnt.remember(problem, request, result);  // when the client has its answer
+  learnt.remember(problem, request, result);  // afterwards, so that the client need not wait for the disk
 }
 
 // The plan.json may have been written by another instance: whatever is wrong with it is told as a reason.
@@ -86,6 +85,20 @@ void rehearse(int out, double seconds) {
   send_done(out, PlanStatus::kNotConverged, fmt::format("rehearsed for {:g} s: nothing was planned", seconds));
 }
 
+void solve_or_refuse(int out, const std::string& name, const std::string& request, const Parameters& robot,
+                     const WorkerSettings& settings, LearntPlans& learnt) {
+  if (settings.rehearsal > 0) return rehearse(out, settings.rehearsal);
+  try {
+    solve(out, parse_request(request, name, robot), request, settings, learnt);
+  } catch (const InputError& error) {
+    send_done(out, PlanStatus::kBadInput, error.what());
+  } catch (const std::bad_alloc&) {
+    throw;                                 // with more memory another attempt may succeed
+  } catch (const std::exception& error) {  // another attempt would end in the same way
+    send_done(out, PlanStatus::kNotConverged, fmt::format("planning broke off: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 void solve_requests(int in, int out, const WorkerSettings& settings) {
@@ -93,23 +106,14 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
   LearntPlans learnt(settings.warm_plans, settings.library);
   std::string name;
   while (const auto frame = read_frame(in)) {
-    if (frame->kind == FrameKind::kName) name = frame->payload;
-    if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
-    if (frame->kind == FrameKind::kFindRepetition) find_repetition(out, parameters, frame->payload);
-    if (frame->kind != FrameKind::kSolve) continue;
-    if (settings.rehearsal > 0) {
-      rehearse(out, settings.rehearsal);
+    if (frame->kind == FrameKind::kName) {
+      name = frame->payload;
       continue;
     }
-    try {
-      solve(out, parse_request(frame->payload, name, parameters), frame->payload, settings, learnt);
-    } catch (const InputError& error) {
-      send_done(out, PlanStatus::kBadInput, error.what());
-    } catch (const std::bad_alloc&) {
-      throw;                                 // with more memory another attempt may succeed
-    } catch (const std::exception& error) {  // another attempt would end in the same way
-      send_done(out, PlanStatus::kNotConverged, fmt::format("planning broke off: {}", error.what()));
-    }
+    if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
+    if (frame->kind == FrameKind::kFindRepetition) find_repetition(out, parameters, frame->payload);
+    if (frame->kind == FrameKind::kSolve) solve_or_refuse(out, name, frame->payload, parameters, settings, learnt);
+    write_frame(out, FrameKind::kIdle, "");
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
@@ -30,7 +31,8 @@ void Solvers::start(Solver& solver) {
   solver.serial = serial;
   const auto listen = [this, serial](std::optional<Frame> frame) {
     // The parts of a result can wait for its end, which follows at once.
-    const bool news = !frame || frame->kind == FrameKind::kDone || frame->kind == FrameKind::kProgress;
+    const bool news = !frame || frame->kind == FrameKind::kDone || frame->kind == FrameKind::kIdle ||
+                      frame->kind == FrameKind::kProgress;
     {
       const std::lock_guard lock(events_mutex_);
       events_.push_back({serial, std::move(frame)});
@@ -46,7 +48,7 @@ void Solvers::start(Solver& solver) {
 
 std::size_t Solvers::free() const {
   return static_cast<std::size_t>(
-      std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; }));
+      std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.idle(); }));
 }
 
 bool Solvers::may_solve() {
@@ -61,32 +63,35 @@ double Solvers::load() const {
   return solvers_.empty() ? 1 : static_cast<double>(jobs().size()) / static_cast<double>(solvers_.size());
 }
 
-// One that is gone by now says so itself.
 void Solvers::solve(Job job) {
-  const auto solver =
-      std::find_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
+  const auto solver = std::find_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.idle(); });
+  if (solver == solvers_.end()) throw std::logic_error("Solvers::solve() without an idle one");
   turn_.begin();
   job.started = Job::Clock::now();
   solver->job = std::move(job);
   solver->result = {};
   solver->planned = false;
+  if (!solver->job->planned) {
+    ++solver->tasks;
+    return solver->worker->solve(solver->job->order.name, solver->job->document);
+  }
   if (const SharedRun& run = solver->job->run) {
     const Reply& executed = *solver->job->planned;
+    ++solver->tasks;
     return solver->worker->find_repetition({to_text(executed.motion), to_text(executed.id), executed.plan_json,
                                             executed.rows, run->rows, run->missed_ticks,
                                             solver->job->refused_fraction});
   }
-  if (const SharedReply& planned = solver->job->planned) {
-    solver->result.plan_json = planned->plan_json;
-    solver->result.errors = planned->errors;
-    solver->result.rows = planned->rows;
-    return find_stops(*solver);
-  }
-  (void)solver->worker->solve(solver->job->order.name, solver->job->document);
+  const Reply& planned = *solver->job->planned;
+  solver->result.plan_json = planned.plan_json;
+  solver->result.errors = planned.errors;
+  solver->result.rows = planned.rows;
+  find_stops(*solver);
 }
 
 void Solvers::find_stops(Solver& solver) {
   solver.planned = true;
+  ++solver.tasks;
   solver.worker->find_stops(solver.result.rows);
 }
 
@@ -115,6 +120,7 @@ Solvers::News Solvers::take_news() {
 }
 
 void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
+  if (frame.kind == FrameKind::kIdle) --solver.tasks;
   if (!solver.job) return;
   switch (frame.kind) {
     case FrameKind::kProgress:
@@ -135,6 +141,7 @@ void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
       return;
     case FrameKind::kDone:
       return conclude(solver, frame.payload, news);
+    case FrameKind::kIdle:
     case FrameKind::kName:
     case FrameKind::kSolve:
     case FrameKind::kFindStops:

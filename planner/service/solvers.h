@@ -36,7 +36,7 @@ class Solvers {
   void withdraw();   // there is nothing more to solve
   std::size_t free() const;  // number of idle ones, whether or not it is their turn
   double load() const;       // fraction of them that is solving, 0 to 1
-  void solve(Job job);       // assigns a job to an idle one
+  void solve(Job job);       // assigns a job to an idle one; there must be one
   void replace_missing();    // restarts those that have ended
 
   struct News {
@@ -69,9 +69,13 @@ class Solvers {
   struct Solver {
     std::uint64_t serial = 0;
     std::unique_ptr<Worker> worker;  // none: to be started again
+    int tasks = 0;                   // that were sent to it, and after which it is not idle yet
     std::optional<Job> job;
     SolveOutcome result;   // as far as it has come
     bool planned = false;  // only the stop motions are still missing
+
+    // After its job a worker may still write what it has learnt to a disk.
+    bool idle() const { return worker && !job && tasks == 0; }
   };
 
   void start(Solver& solver);

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -52,21 +51,23 @@ Worker::~Worker() {
   listening_.join();
 }
 
-bool Worker::solve(const std::string& name, const std::string& yaml) {
-  return write_frame(to_worker_.number(), FrameKind::kName, name) &&
-         write_frame(to_worker_.number(), FrameKind::kSolve, yaml);
-}
-
-void Worker::find_repetition(RunOfMotion run) {
-  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(run)] {
-    (void)write_frame(to, FrameKind::kFindRepetition, to_payload(sent));
+// Frames are written by a thread, because they may exceed the buffer of the pipe, and the service must not wait.
+void Worker::send(std::vector<Frame> frames) {
+  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(frames)] {
+    for (const Frame& frame : sent) {
+      if (!write_frame(to, frame.kind, frame.payload)) return;
+    }
   });
 }
 
-void Worker::find_stops(std::vector<Sample> rows) {
-  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(rows)] {
-    (void)write_frame(to, FrameKind::kFindStops, as_payload(sent));
-  });
+void Worker::solve(const std::string& name, const std::string& yaml) {
+  send({{FrameKind::kName, name}, {FrameKind::kSolve, yaml}});
+}
+
+void Worker::find_repetition(const RunOfMotion& run) { send({{FrameKind::kFindRepetition, to_payload(run)}}); }
+
+void Worker::find_stops(const std::vector<Sample>& rows) {
+  send({{FrameKind::kFindStops, std::string(as_payload(rows))}});
 }
 
 }  // namespace fjr

@@ -28,18 +28,16 @@ class Worker {
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  // False: it is gone.
-  bool solve(const std::string& name, const std::string& yaml);
-
-  // Starts the search for stop motions for these rows. A thread writes them, because they exceed the buffer of a pipe.
-  void find_stops(std::vector<Sample> rows);
-
-  // Starts the computation of the next repetition of a motion; a thread writes the input likewise.
-  void find_repetition(RunOfMotion run);
+  // These functions give an idle worker something to do. If it has ended, they do nothing: the listener is told.
+  void solve(const std::string& name, const std::string& yaml);  // plans a request
+  void find_stops(const std::vector<Sample>& rows);              // looks for stop motions for these rows
+  void find_repetition(const RunOfMotion& run);                  // computes the next repetition of a motion
 
   pid_t pid() const { return process_.pid(); }
 
  private:
+  void send(std::vector<Frame> frames);
+
   Child process_;  // declared first, so that it is ended if the construction of any other member fails
   Descriptor to_worker_, from_worker_;
   std::thread listening_;

@@ -34,7 +34,9 @@ bool Statement::step() {
   return code == SQLITE_ROW;
 }
 
-void Statement::reset() { ::sqlite3_reset(statement_.get()); }  // what it returns is what step() has thrown
+void Statement::reset() {
+  ::sqlite3_reset(statement_.get());
+}  // its return code repeats the error of step(), which has thrown
 
 namespace {
 

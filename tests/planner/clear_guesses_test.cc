@@ -44,7 +44,7 @@ TEST(ClearGuesses, AreMotionsOfTheArm) {
   for (const std::string& yaml : kBarred) {
     const Problem problem = request(yaml);
     int checked = 0;
-    for (const Guess& guess : starts_of(problem, 12, {}).guesses) {
+    for (const Guess& guess : guesses_of(starts_of(problem, 12, {}))) {
       if (!round_obstacles(guess)) continue;
       ++checked;
       double largest = 0, wrong = 0;
@@ -70,9 +70,8 @@ TEST(ClearGuesses, PassObstaclesAndThePlainOnesDoNot) {
   constexpr double kCutCorners = 0.015;  // [m] by eight sines in place of a path; measured: 0.010
   for (const std::string& yaml : kBarred) {
     const Problem problem = request(yaml);
-    const Starts starts = starts_of(problem, 12, {});
     EXPECT_FALSE(keeps_clear(problem, straight_guess(problem, problem.duration.max))) << yaml;
-    for (const Guess& guess : starts.guesses) {
+    for (const Guess& guess : guesses_of(starts_of(problem, 12, {}))) {
       EXPECT_GT(clearance_from_obstacles(problem, guess), -kCutCorners) << guess.name << "\n" << yaml;
     }
   }
@@ -94,7 +93,7 @@ TEST(ClearGuesses, FollowTheirPathAtThePaceOfMinimumJerk) {
 TEST(ClearGuesses, BeginAndEndAsRequested) {
   for (const std::string& yaml : kBarred) {
     const Problem problem = request(yaml);
-    for (const Guess& guess : starts_of(problem, 12, {}).guesses) {
+    for (const Guess& guess : guesses_of(starts_of(problem, 12, {}))) {
       for (std::size_t j = 0; j < kJoints; ++j) {
         EXPECT_NEAR(guess.state(0).q[j], problem.start.q[j], 1e-9) << guess.name;
         EXPECT_NEAR(guess.state(1).q[j], problem.goal.q[j], 1e-9) << guess.name;
@@ -110,9 +109,11 @@ TEST(ClearGuesses, MostlyLeadToMotions) {
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);
   int tried = 0, led_somewhere = 0;
-  for (std::size_t i = starts.by_ipopt; i < starts.guided; ++i, ++tried) {
+  for (const StartGuess& start : starts.guesses) {
+    if (!start.by_interior_point || start.near_the_best) continue;
+    ++tried;
     Continuation c(problem, session, "start", {.by_interior_point = true});
-    if (c.begin(starts.guesses[i], 200) != StartOutcome::kNoSolution) ++led_somewhere;
+    if (c.begin(start.guess, 200) != StartOutcome::kNoSolution) ++led_somewhere;
   }
   EXPECT_GE(tried, 6);
   EXPECT_GE(led_somewhere, tried / 2);
@@ -122,7 +123,7 @@ TEST(ClearGuesses, MostlyLeadToMotions) {
 TEST(ClearGuesses, HangWhereGravityPulls) {
   Problem problem = request(kBarred.back());
   const auto any_hanging = [&] {
-    const std::vector<Guess> guesses = starts_of(problem, 12, {}).guesses;
+    const std::vector<Guess> guesses = guesses_of(starts_of(problem, 12, {}));
     return std::any_of(guesses.begin(), guesses.end(),
                        [](const Guess& guess) { return round_obstacles(guess) && guess.name.ends_with("hanging"); });
   };
@@ -138,10 +139,9 @@ TEST(ClearGuesses, ForThePathsOfOtherObjectivesAreASecondTry) {
   const std::string disc = "obstacles: [{center: [-0.0466, -0.5223], radius: 0.0349}]\n";
   const Problem problem = request(move + disc);
   const Starts starts = starts_of(problem, 1, {});
-  ASSERT_GE(starts.along_paths_again.size(), 1U);
-  ASSERT_GE(starts.guesses.size(), starts.along_paths_again.size());
-  for (std::size_t i = 0; i < starts.along_paths_again.size(); ++i) {
-    const Guess &first = starts.guesses[i], &second = starts.along_paths_again[i];
+  ASSERT_GE(count_along_paths(starts), 1U);
+  for (std::size_t i = 0; i < count_along_paths(starts); ++i) {
+    const Guess &first = starts.guesses[i].guess, &second = *starts.guesses[i].along_path_again;
     EXPECT_EQ(first.name, "round obstacles");
     EXPECT_TRUE(round_obstacles(second)) << second.name;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -149,11 +149,12 @@ TEST(ClearGuesses, ForThePathsOfOtherObjectivesAreASecondTry) {
       EXPECT_NEAR(second.state(1).q[j], problem.goal.q[j], 1e-9);
     }
   }
-  EXPECT_TRUE(starts_of(request(move), 1, {}).along_paths_again.empty());
-  EXPECT_TRUE(
-      starts_of(request(move + disc + "duration: 1\nobjective: {energy: 1}\n"), 1, {}).along_paths_again.empty());
-  EXPECT_TRUE(starts_of(request(move + disc + "path: {points: [[-0.2, 0.9]], tolerance: 0.1}\n"), 1, {})
-                  .along_paths_again.empty());
+  const auto second_tries = [&](const std::string& more) {
+    return count_along_paths(starts_of(request(move + more), 1, {}));
+  };
+  EXPECT_EQ(second_tries(""), 0U);
+  EXPECT_EQ(second_tries(disc + "duration: 1\nobjective: {energy: 1}\n"), 0U);
+  EXPECT_EQ(second_tries(disc + "path: {points: [[-0.2, 0.9]], tolerance: 0.1}\n"), 0U);
 }
 
 // No start leads anywhere in two iterations, so that all that are worth trying are, and those along paths twice.
@@ -167,8 +168,8 @@ TEST(ClearGuesses, PathsAreTriedASecondTime) {
   options.search.fallbacks.iterations = options.search.fallbacks.patient_iterations = 1;
   options.search.explanation.solves.budget = 0;
   const Starts starts = starts_of(problem, 1, options.search.starts);
-  ASSERT_FALSE(starts.along_paths_again.empty());
-  const auto expected = starts.enough + starts.along_paths_again.size();
+  ASSERT_GT(count_along_paths(starts), 0U);
+  const auto expected = starts.enough + count_along_paths(starts);
   EXPECT_EQ(plan(problem, options).starts, static_cast<int>(expected));
 }
 
@@ -178,7 +179,7 @@ TEST(ClearGuesses, AreForObjectivesThatSeeFrictionAmongObstacles) {
   const std::string move = "start: {q: [-1.0137, 0.1162]}\ngoal: {q: [0.6938, 0.6367]}\n";
   const std::string energy = "duration: 1\nobjective: {energy: 1}\n";
   const auto any = [](const std::string& yaml) {
-    const std::vector<Guess> guesses = starts_of(request(yaml), 12, {}).guesses;
+    const std::vector<Guess> guesses = guesses_of(starts_of(request(yaml), 12, {}));
     return std::any_of(guesses.begin(), guesses.end(), round_obstacles);
   };
   EXPECT_TRUE(any(move + energy + disc));

@@ -13,8 +13,10 @@
 #include <tuple>
 #include <vector>
 
+#include "planner/conclusion.h"
 #include "planner/plan.h"
 #include "planner/problem/elbow_side.h"
+#include "planner/problem/relaxable.h"
 #include "planner/problem/task/task.h"
 #include "planner/problem/tip_path.h"
 #include "planner/request/request.h"
@@ -302,6 +304,51 @@ TEST(Search, AMotionThatIsFarTooSlowIsNotRefinedToSaySo) {
   const auto named = std::find_if(all.begin(), all.end(), [](const Relaxation& r) { return r.name == "duration"; });
   ASSERT_NE(named, all.end());
   EXPECT_TRUE(named->rough);
+}
+
+// Motor 2 turns round so slowly that its friction, which falls with speed there, shakes link 2: by more than 0.1 % of
+// the limit on the tip's speed, however fine the mesh is. The tip cannot get there sooner than along a straight line.
+TEST(Search, ASlowMotionPastStandstillIsCertified) {
+  const Problem problem = request("{start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}, limits: {tip_speed: 0.03}}");
+  const Plan result = plan(problem, {});
+  ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
+  const Point<double> from = tip_position(problem.robot, problem.start.q),
+                      to = tip_position(problem.robot, problem.goal.q);
+  const double shortest = std::hypot(to.x - from.x, to.y - from.y) / 0.03;
+  EXPECT_GT(result.trajectory->end_time(), shortest);
+  EXPECT_LT(result.trajectory->end_time(), 1.02 * shortest);  // measured 1.007
+}
+
+// A start that kept every limit on a coarse mesh, and an explanation by a search without work left, do not show that
+// there is no motion: an arm that may take any time can be as slow as is asked.
+TEST(Conclusion, WhatWasFoundOnACoarseMeshIsNotCalledImpossible) {
+  const Problem problem = request("{start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}, limits: {tip_speed: 0.03}}");
+  const auto concluded = [&](bool found_on_a_coarse_mesh, bool cut_by_work, bool rough) {
+    SessionOptions options;
+    options.most_work = 1;
+    Session session(options);
+    session.enter(Phase::kExplaining);
+    session.interrupted(cut_by_work ? 2 : 0.5);
+    Findings found(problem);
+    if (found_on_a_coarse_mesh) found.minima = {1.0};
+    Plan result;
+    result.infeasibility.emplace();
+    result.infeasibility->sentence = "no motion found keeps every limit";
+    Relaxation relaxation{};
+    relaxation.kind = RelaxableKind::kLimit;
+    relaxation.name = "tip_speed";
+    relaxation.to = 0.04;
+    relaxation.rough = rough;
+    result.infeasibility->relaxations = {relaxation};
+    conclude(found, session, result);
+    return result;
+  };
+  const Plan unsure = concluded(true, true, true);
+  EXPECT_EQ(unsure.status, PlanStatus::kNotConverged);
+  EXPECT_THAT(unsure.reason, HasSubstr("on a coarse mesh, but not on a finer one; with tip_speed of about 0.04"));
+  EXPECT_EQ(concluded(false, true, true).status, PlanStatus::kInfeasible);
+  EXPECT_EQ(concluded(true, false, true).status, PlanStatus::kInfeasible);
+  EXPECT_EQ(concluded(true, true, false).status, PlanStatus::kInfeasible);
 }
 
 // Plans the request with the two times that its infeasibility tells in place of those asked for.

@@ -144,8 +144,8 @@ TEST(SettingsFile, SaysWhatIsToBeDifferent) {
 
 TEST(SettingsFile, WithUnknownKeysIsRefused) {
   EXPECT_EQ(error_of("publication: {round: 2}"),
-            "settings.yaml: publication: unknown key \"round\"; allowed: rounds, finer_rows, shorter_rests; did you "
-            "mean rounds?");
+            "settings.yaml: publication: unknown key \"round\"; allowed: rounds, finer_rows, "
+            "rounds_by_accuracy, shorter_rests; did you mean rounds?");
   EXPECT_THAT(error_of("folow: {most: 5}"),
               AllOf(StartsWith("settings.yaml: unknown key \"folow\"; allowed: continuation, "),
                     EndsWith(", budget; did you mean follow?")));
@@ -173,9 +173,9 @@ TEST(SettingsFile, WithValuesOfAnotherKindIsRefused) {
   EXPECT_EQ(error_of("follow: {most: '3'}"), "settings.yaml: follow.most: must be a number, not the text \"3\"");
   EXPECT_EQ(error_of("follow: {long_motion: .inf}"),
             "settings.yaml: follow.long_motion: \".inf\" is not a finite number (s)");
-  EXPECT_EQ(
-      error_of("publication: 3"),
-      "settings.yaml: publication: must be a map with the keys rounds, finer_rows, shorter_rests, not the number 3");
+  EXPECT_EQ(error_of("publication: 3"),
+            "settings.yaml: publication: must be a map with the keys rounds, finer_rows, "
+            "rounds_by_accuracy, shorter_rests, not the number 3");
   EXPECT_EQ(error_of("fallbacks: {relaxed: [1, 2, 3]}"),
             "settings.yaml: fallbacks.relaxed: must be a list of 2, not a list of 3");
   EXPECT_EQ(error_of("fallbacks: {relaxed: 0.5}"),

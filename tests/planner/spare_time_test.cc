@@ -84,7 +84,7 @@ TEST(SpareTime, MotionsStandStillInAPause) {
   Session session({});
   session.enter(Phase::kFinding);
   Continuation c(std::make_shared<const Problem>(problem), session, "test", {.by_interior_point = true});
-  ASSERT_EQ(c.begin(starts_of(problem, 1, {}).guesses.front(), 400), StartOutcome::kNew);
+  ASSERT_EQ(c.begin(starts_of(problem, 1, {}).guesses.front().guess, 400), StartOutcome::kNew);
   const Motion& motion = c.solution().motion;
   double fastest = 0;
   int still = 0;

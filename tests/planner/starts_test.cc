@@ -533,7 +533,7 @@ TEST(Starts, OfAThrowMoveTheJointsInEveryPairOfDirectionsAtTheRelease) {
     const Problem problem = request(reward + throwing);
     const Joints<double> released{0.9, -0.4};
     std::set<std::pair<bool, bool>> directions;
-    for (const Guess& guess : starts_of(problem, 8, {}).guesses) {
+    for (const Guess& guess : guesses_of(starts_of(problem, 8, {}))) {
       if (guess.name != "throwing") continue;
       const State<double> x = guess.state(guess.durations.front() / guess.duration());
       directions.emplace(x.dq[0] > 0, x.dq[1] > 0);
@@ -550,7 +550,7 @@ TEST(Starts, OfAThrowWithAGivenVelocityLeaveTheDirectionAsItIs) {
   const Problem problem = request(
       "start: {q: [0.3, -0.2]}\ngoal: {q: [0.1, 0.2]}\nvia: [{q: [0.9, -0.4], dq: [2, 1]}]\n"
       "objective: {time: 1, tip_speed: 1}\n");
-  for (const Guess& guess : starts_of(problem, 8, {}).guesses) EXPECT_NE(guess.name, "throwing");
+  for (const Guess& guess : guesses_of(starts_of(problem, 8, {}))) EXPECT_NE(guess.name, "throwing");
 }
 
 // ---- ends that are free ----

@@ -371,6 +371,56 @@ TEST_F(Cli, AnExportDoesNotReplaceItsInput) {
   EXPECT_EQ(run({"export", "log.csv", "--format", "csv", "--out", "other.csv"}).exit_code, 0);  // earlier exports are
 }
 
+// A robot or a request that is named by mistake is there afterwards as it was.
+TEST_F(Cli, FilesOfAnotherKindAreNotReplaced) {
+  ASSERT_EQ(run({"experiment", "motor_inertia", "--joint", "1", "--out", "log.csv"}).exit_code, 0);
+  write("mine.yaml", "robot: something\n");
+  const auto refused = [&](const std::vector<std::string>& words) {
+    const Result result = run(words);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.err, HasSubstr("mine.yaml is there, and would be lost"));
+    EXPECT_TRUE(contents(path("mine.yaml")) == "robot: something\n");
+  };
+  refused({"export", "log.csv", "--format", "csv", "--out", "mine.yaml"});
+  refused({"identify", "motor_inertia", "log.csv", "--report", "mine.yaml"});
+  refused({"report", "a", "b", "--out", "mine.yaml"});
+  refused({"simulate", "log.csv", "--out", "mine.yaml"});
+}
+
+// The plan that was there, and everything else in its folder, stays as it was.
+TEST_F(Cli, AFolderInTheWayOfAFileOfAPlanIsToldBeforehand) {
+  write("reach.yaml", kGood);
+  ASSERT_EQ(run({"plan", "reach.yaml", "--out", "out"}).exit_code, 0);
+  const std::string before = contents(path("out/plan.json"));
+  fs::create_directory(path("out/report.html"));
+  const Result result = run({"plan", "reach.yaml", "--out", "out", "--report"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("out/report.html: is a folder where a file of the plan is written: move it away"));
+  EXPECT_EQ(contents(path("out/plan.json")), before);
+  EXPECT_FALSE(fs::exists(path("out/.fjr-pending")));
+  fs::remove(path("out/report.html"));
+  EXPECT_EQ(run({"plan", "reach.yaml", "--out", "out", "--report"}).exit_code, 0);
+}
+
+TEST_F(Cli, RowsThatWereEditedAreExportedWithAWarning) {
+  write("reach.yaml", kGood);
+  ASSERT_EQ(run({"plan", "reach.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"export", "out", "--format", "csv"}).err, "");
+  EXPECT_EQ(run({"report", "out"}).err, "");
+  std::string rows = contents(path("out/trajectory.csv"));
+  const std::size_t line = rows.find("\n0.2,") + 1, torque = rows.rfind(',', rows.find('\n', line));
+  rows.insert(torque + (rows[torque + 1] == '-' ? 2 : 1), "1");  // of motor 2, some way through: 4.9 becomes 14.9
+  write("out/trajectory.csv", rows);
+  const auto is_told = HasSubstr("fjr: warning: out: the plan says that it is certified, and its rows are not: ");
+  EXPECT_THAT(run({"export", "out", "--format", "csv"}).err, is_told);
+  EXPECT_THAT(run({"report", "out"}).err, is_told);
+}
+
+TEST_F(Cli, AMisspeltOptionIsNamedWhereAnotherOneIsMissing) {
+  EXPECT_THAT(run({"export", "out", "--fromat", "csv"}).err,
+              HasSubstr("no option is called --fromat; did you mean --format?"));
+}
+
 TEST_F(Cli, AMissingRequestIsBadInput) {
   const Result result = run({"plan", "none.yaml", "--out", "out"});
   EXPECT_EQ(result.exit_code, 2);

@@ -22,6 +22,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/input_error.h"
 #include "planner/results/export/formats.h"
 #include "tests/support/process.h"
 
@@ -93,6 +94,30 @@ TEST_F(ResultFolder, WhatIsReplacedByAFailureIsKept) {
   EXPECT_TRUE(replace(out_, "f", "certified"));
   EXPECT_EQ(owner_of(out_ / kPrevious), "e");
   EXPECT_EQ(owner_of(out_), "f");
+}
+
+// A plan without its rows is of less use than an earlier one that has them.
+TEST_F(ResultFolder, ADamagedPlanTakesNoOthersPlace) {
+  EXPECT_FALSE(replace(out_, "a", "certified"));
+  EXPECT_TRUE(replace(out_, "b", "certified"));
+  write(out_ / "trajectory.csv", "");
+  EXPECT_EQ(value_of_results(out_), ResultValue::kAnswer);
+  EXPECT_FALSE(replace(out_, "c", "certified"));
+  EXPECT_EQ(owner_of(out_ / kPrevious), "a");
+  fs::remove(out_ / "trajectory.csv");
+  EXPECT_FALSE(replace(out_, "d", "certified"));
+  EXPECT_EQ(owner_of(out_ / kPrevious), "a");
+}
+
+// What is in the way is told before anything is moved.
+TEST_F(ResultFolder, AFolderWithTheNameOfAFileStopsNothingHalfWay) {
+  EXPECT_FALSE(replace(out_, "a", "certified"));
+  fs::create_directory(out_ / "report.html");
+  EXPECT_THROW(NewResults{out_}, InputError);
+  fs::remove(out_ / "report.html");
+  EXPECT_EQ(owner_of(out_), "a");
+  write(out_ / kPrevious, "a file");
+  EXPECT_THROW(NewResults{out_}, InputError);
 }
 
 TEST_F(ResultFolder, APlanJsonOfSomebodyElseIsKept) {

@@ -81,7 +81,7 @@ TEST_F(RobotsTest, EachIsServedByAnInstanceOfItsOwn) {
 TEST_F(RobotsTest, WhatCannotBeMeantIsRefused) {
   EXPECT_EQ(refusal_of("{robot_id: a, robots: [{id: a}]}\n"),
             "robot_id: stands beside `robots`, which names id and file of each robot");
-  EXPECT_EQ(refusal_of("robots: []\n"), "robots: no robot");
+  EXPECT_EQ(refusal_of("robots: []\n"), "robots: an empty list: name at least one robot, or leave it out");
   EXPECT_EQ(refusal_of("robots: [{id: a}, {id: b}, {id: a}]\n"), "robots[2].id: the same as of a robot before it");
   EXPECT_EQ(refusal_of("robots: [{robot: a.yaml}]\n"), "robots[0].id: missing");
   EXPECT_EQ(refusal_of("{instance: " + std::string(60, 'i') + ", robots: [{id: left}]}\n"),

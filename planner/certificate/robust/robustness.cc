@@ -113,10 +113,10 @@ class Channels {
   double left_of_row(const Parameters& arm, std::size_t index, std::size_t segment,
                      const Posture<double>& posture) const {
     const TaskRow& row = task_.rows[segment][index];
-    if (!row.along) return row.distance(row.value(arm, posture));
+    if (!row.across) return row.distance(row.value(arm, posture));
     double left = -kNoLimit;
     for (std::size_t s = segment > 0 ? segment - 1 : 0; s <= segment + 1 && s < task_.rows.size(); ++s) {
-      left = std::max(left, left_of_line(arm, task_.rows[s][index - 1], task_.rows[s][index], posture));
+      left = std::max(left, left_of_line(arm, task_.rows[s][*row.across], task_.rows[s][index], posture));
     }
     return left;
   }

@@ -105,8 +105,9 @@ inline void add_band(TaskRows& to, TaskRow::Kind kind, const Two& from, const Tw
   const double far = length(way);
   const Two along{way[0] / far, way[1] / far}, across{-along[1], along[0]};
   to.add(kind, across, dot(across, from), -kAcross * tolerance, kAcross * tolerance, tolerance);
+  const std::size_t row_across = to.rows.size() - 1;
   to.add(kind, along, dot(along, from), -kBeyond * tolerance, far + kBeyond * tolerance, tolerance);
-  to.rows.back().along = true;
+  to.rows.back().across = row_across;
 }
 
 }  // namespace task

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "model/kinematics.h"
@@ -38,12 +39,12 @@ struct TaskRow {
   std::array<double, 2> vector;  // of coordinates, or of the joints' angles
   double number;
   double lower, upper;
-  double scale;                // size of the constraint, to which fractions refer  [m or rad]
-  std::string name;            // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
-  int link;                    // 1 or 2 for obstacles and walls; 0: neither
-  const ConstraintInfo* info;  // the kind of its constraint
-  std::size_t constraint;      // number of its constraint in the task, in the order of each_constraint()
-  bool along = false;          // along a line (task::add_band); the row before it is across the same line
+  double scale;                         // size of the constraint, to which fractions refer  [m or rad]
+  std::string name;                     // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
+  int link;                             // 1 or 2 for obstacles and walls; 0: neither
+  const ConstraintInfo* info;           // the kind of its constraint
+  std::size_t constraint;               // number of its constraint in the task, in the order of each_constraint()
+  std::optional<std::size_t> across{};  // of a row along a line: number of the row across it (task::add_band)
 
   template <class T>
   T value(const Parameters& robot, const Posture<T>& at) const;

@@ -18,9 +18,10 @@ namespace fjr {
 namespace {
 
 // Drops limits that would have to grow by more than a slack may be, or by more than their size where a request may not
-// ask for that. A limit's weight tells by how much it has to grow at least, for as a rule further growth takes off
-// less: all of 19 limits that were found to be enough had grown by more, and of 39 that this drops none was enough.
-// Discs and regions are kept, because beyond some size they open another path.
+// ask for that. To save the missing time a limit has to grow by at least that time divided by the limit's weight,
+// because as a rule the more it has grown the less further growth saves. All of 19 limits that were found to be enough
+// had grown by more, and of 39 that this drops none was enough. Discs and regions are kept, because beyond some size
+// they open another path.
 void drop_weak(std::vector<Candidate>& single, const Explanation& e) {
   const double missing = e.shortest() - e.problem.duration.max;  // [s]
   std::erase_if(single, [&](const Candidate& c) {
@@ -32,8 +33,8 @@ void drop_weak(std::vector<Candidate>& single, const Explanation& e) {
 }
 
 // Alone, each limit has to grow by no less than all of them together. Where that is more than a quarter, limits that
-// would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found. Nothing
-// where no motion was found even with all of them larger: it is unlikely that one alone does.
+// would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found. Returns
+// nothing if no motion was found even with all of them larger, because one alone is hardly enough then.
 std::optional<std::vector<Candidate>> worth_trying_alone(Explanation& e, std::vector<Candidate> single,
                                                          const std::vector<Guess>& guesses) {
   e.anything_tried = true;

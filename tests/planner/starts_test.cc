@@ -553,6 +553,16 @@ TEST(Starts, OfAThrowWithAGivenVelocityLeaveTheDirectionAsItIs) {
   for (const Guess& guess : guesses_of(starts_of(problem, 8, {}))) EXPECT_NE(guess.name, "throwing");
 }
 
+// From a guess that stops at the via points the fastest motion turns back between them, and takes 0.602 s.
+TEST(Starts, AnArmThatIsToPassAPointWithAVelocityDoesNotTurnBackBefore) {
+  const Plan result = plan(request("start: {q: [-0.762, -0.67]}\ngoal: {q: [-0.49, 1.294]}\n"
+                                   "via: [{q: [-0.501, 0.763]}, {q: [-0.482, 1.063], dq: [-0.113, 7.019]}]\n"
+                                   "limits: {torque_rate: [174, 114]}\n"),
+                           {});
+  ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
+  EXPECT_LT(result.trajectory->end_time(), 0.39);  // measured 0.3805
+}
+
 // ---- ends that are free ----
 
 // Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less

@@ -123,7 +123,7 @@ class Client {
   void follow(double duration) {
     for (const ExecutorState& state : port_.take_executors()) {
       if (state.trajectory_id != order_.id) continue;
-      executed_until_ = std::min(state.time, duration);
+      if (state.mode != ExecutorMode::kPreparing) executed_until_ = std::min(state.time, duration);
       if (!options_.on_execution) continue;
       options_.on_execution({std::min(state.time, duration),
                              duration,

@@ -1,4 +1,4 @@
-// Warns of plans whose files were edited after they had been certified.
+// Warns of plans whose rows were edited after they had been certified.
 #pragma once
 
 #include <filesystem>

@@ -57,7 +57,10 @@ inline void refuse_to_overwrite(const std::string& option, const std::filesystem
 // Throws InputError if the file that an option has named is there and does not have the ending (".html") of what would
 // be written, because it is something else then: a robot, or a request.
 inline void refuse_another_kind(const std::string& option, const std::string& out, std::string_view ending) {
-  if (out.empty() || out.ends_with(ending) || !std::filesystem::exists(out)) return;
+  const std::string given = std::filesystem::path(out).extension().string();
+  const bool short_form = (ending == ".yaml" && given == ".yml") || (ending == ".html" && given == ".htm");
+  std::error_code ignored;
+  if (out.empty() || given == ending || short_form || !std::filesystem::exists(out, ignored)) return;
   throw InputError(option, "",
                    fmt::format("{} is there, and would be lost: it is no {} file by its name", out, ending));
 }

@@ -157,8 +157,10 @@ std::vector<std::string> files_of_logs(const IdentifyArguments& options) {
 
 // The robot file that --robot names may be replaced by the one of --out: it is what is known then.
 void check_files_to_write(const IdentifyArguments& options) {
-  if (!options.out.empty() && options.out == report_file(options)) {
-    throw InputError("--report", "", fmt::format("{} is the file of --out", options.out));
+  const fs::path report = report_file(options);
+  if (!options.out.empty() && fs::path(options.out).lexically_normal() == report.lexically_normal()) {
+    throw InputError(options.report.empty() ? "--out" : "--report", "",
+                     fmt::format("{} would be both the robot and the report", report.string()));
   }
   std::vector<std::string> inputs = files_of_logs(options);
   refuse_to_overwrite("--out", options.out, inputs);

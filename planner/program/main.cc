@@ -132,7 +132,8 @@ int main(int argc, char** argv) {
   } catch (const fjr::InputError& error) {
     return complain(words, error.what(), error.field(), 2);
   } catch (const std::filesystem::filesystem_error& error) {  // whose what() is for programmers
-    return complain(words, fmt::format("{}: {}", error.path1().string(), error.code().message()), "", 1);
+    const std::string path = error.path1().string();
+    return complain(words, path.empty() ? error.what() : path + ": " + error.code().message(), "", 1);
   } catch (const std::exception& error) {
     return complain(words, error.what(), "", 1);
   } catch (...) {

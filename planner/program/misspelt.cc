@@ -37,6 +37,7 @@ std::vector<std::string> shown_subcommands(const CLI::App& app) {
 std::string refusal(const CLI::App& app, const std::vector<std::string>& words, const std::string& said) {
   const CLI::App* command = &app;
   for (const std::string& word : words) {
+    if (word == "--") return said;
     if (word.starts_with("--")) {
       const std::string name = word.substr(0, word.find('='));
       if (command->get_option_no_throw(name) != nullptr) continue;

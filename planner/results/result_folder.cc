@@ -120,6 +120,7 @@ void move_results(const fs::path& from, const fs::path& to) {
 void complete_moves(const fs::path& folder) {
   const fs::path pending = folder / kPending;
   if (!fs::exists(pending)) return;
+  check_names_in(folder);  // somebody may have put folders there since the interruption
   if (fs::exists(pending / "plan.json")) fs::remove(folder / "plan.json");
   if (fs::exists(pending / kPrevious)) {
     fs::create_directory(folder / kPrevious);
@@ -185,11 +186,13 @@ bool is_result(const fs::path& name) {
 
 void check_names_in(const fs::path& folder) {
   std::error_code ignored;
-  for (const char* name : kResultFiles) {
-    if (!fs::is_directory(folder / name, ignored)) continue;
-    throw InputError((folder / name).string(), "", "is a folder where a file of the plan is written: move it away");
-  }
   const fs::path previous = folder / kPrevious;
+  for (const fs::path& place : {folder, previous}) {
+    for (const char* name : kResultFiles) {
+      if (!fs::is_directory(place / name, ignored)) continue;
+      throw InputError((place / name).string(), "", "is a folder where a file of the plan is written: move it away");
+    }
+  }
   if (!fs::exists(fs::symlink_status(previous, ignored)) || fs::is_directory(previous, ignored)) return;
   throw InputError(previous.string(), "", "is a file where earlier plans are kept: move it away");
 }

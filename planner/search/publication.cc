@@ -89,15 +89,15 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     const Publication& refused = *published.last;
     const int solutions = c.solutions();
     // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead. Everything else
-    // needs a more accurate solution and finer rows at first; later, shorter rests and limits that only the rollout
-    // exceeds are treated in the same way, these if nothing else is wrong with the rollout.
+    // needs a more accurate solution and finer rows. After some rounds of that, shorter rests are kept from, too, and a
+    // limit that only the rollout exceeds gets a margin, if nothing else is wrong with the rollout.
     const bool by_accuracy = round < s.rounds_by_accuracy;
     const double shortest_rest =
         session.settings().continuation.creep.shortest_rest * (by_accuracy ? 1 : s.shorter_rests);
-    const bool slower = !by_accuracy && only_limits_fail(refused.certificate);
+    const bool margins_for_rollout = !by_accuracy && only_limits_fail(refused.certificate);
     const bool other_motion =
         c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved ||
-        (slower && c.keep_margins_of_rollout(refused.certificate.limits) == ChangeOutcome::kSolved) ||
+        (margins_for_rollout && c.keep_margins_of_rollout(refused.certificate.limits) == ChangeOutcome::kSolved) ||
         c.creep(shortest_rest) == ChangeOutcome::kSolved;
     if (session.interrupted()) break;
     if (!other_motion) {  // the errors belong to the intervals of this solution

@@ -150,8 +150,14 @@ void ReplyStore::add(SharedReply reply) {
 void ReplyStore::forget(const RequestId& id) {
   {
     const std::lock_guard lock(mutex_);
-    std::erase_if(changes_, [&](const Change& change) { return change.id == id; });
-    changes_.push_back({id, nullptr});  // an earlier reply of that id may be on disk, or be written now
+    const auto is_it = [&](const Change& change) { return change.id == id; };
+    const auto deletes = [&](const Change& change) { return is_it(change) && !change.reply; };
+    const bool is_deleted = std::any_of(changes_.begin(), changes_.end(), deletes);
+    const bool was_waiting = std::erase_if(changes_, is_it) > 0;
+    const bool is_written = std::any_of(writing_.begin(), writing_.end(), is_it);
+    // A reply that was only waiting has left nothing on the disk, unless an earlier one of that id was to be deleted.
+    if (was_waiting && !is_deleted && !is_written) return;
+    changes_.push_back({id, nullptr});
   }
   changed_.notify_one();
 }

@@ -51,6 +51,11 @@ std::size_t Solvers::free() const {
       std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.idle(); }));
 }
 
+std::size_t Solvers::without_job() const {
+  return static_cast<std::size_t>(
+      std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; }));
+}
+
 bool Solvers::may_solve() {
   if (free() > 0) return turn_.ask();
   turn_.withdraw();  // others need not wait for one of these

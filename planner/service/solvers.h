@@ -34,10 +34,11 @@ class Solvers {
 
   bool may_solve();  // whether one is idle and it is their turn, which is then reserved until solve() or withdraw()
   void withdraw();   // there is nothing more to solve
-  std::size_t free() const;  // number of idle ones, whether or not it is their turn
-  double load() const;       // fraction of them that is solving, 0 to 1
-  void solve(Job job);       // assigns a job to an idle one; there must be one
-  void replace_missing();    // restarts those that have ended
+  std::size_t free() const;         // number of idle ones, whether or not it is their turn
+  std::size_t without_job() const;  // these, and those that still finish an earlier job; both can be given one soon
+  double load() const;              // fraction of them that is solving, 0 to 1
+  void solve(Job job);              // assigns a job to an idle one; there must be one
+  void replace_missing();           // restarts those that have ended
 
   struct News {
     std::vector<ProgressReport> progress;

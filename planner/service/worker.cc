@@ -51,13 +51,19 @@ Worker::~Worker() {
   listening_.join();
 }
 
-// Frames are written by a thread, because they may exceed the buffer of the pipe, and the service must not wait.
+// Frames are written by a thread, because they may exceed the buffer of the pipe, and the service must not wait. The
+// worker has read all earlier ones when it gets more to do, so that their thread has ended. Where no thread can be
+// started, the process is ended; its job is solved again, as after a crash.
 void Worker::send(std::vector<Frame> frames) {
-  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(frames)] {
-    for (const Frame& frame : sent) {
-      if (!write_frame(to, frame.kind, frame.payload)) return;
-    }
-  });
+  try {
+    sending_ = std::jthread([to = to_worker_.number(), sent = std::move(frames)] {
+      for (const Frame& frame : sent) {
+        if (!write_frame(to, frame.kind, frame.payload)) return;
+      }
+    });
+  } catch (const std::system_error&) {
+    process_.signal(SIGKILL);
+  }
 }
 
 void Worker::solve(const std::string& name, const std::string& yaml) {

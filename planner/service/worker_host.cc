@@ -131,7 +131,8 @@ void WorkerHost::begin(LeaseWord word) {
   if (held_.contains(word.lease) || held_.size() >= kMaxHeld) return;
   Held& held = held_[word.lease];
   held.instance = word.instance;
-  if (waiting_.size() >= solvers_.free()) {  // another owner's lease took the slot, or its process has just ended
+  if (waiting_.size() >=
+      solvers_.without_job()) {  // another owner's lease took the slot, or its process has just ended
     return conclude(job_id(word.lease), {});
   }
   if (log_.allows()) spdlog::info("leased by={} id={} name={}", word.instance, text(word.id), word.name);
@@ -150,7 +151,7 @@ void WorkerHost::give_work() {
 
 // Returns waiting leases for which there is no process any more, because one has ended.
 void WorkerHost::return_what_cannot_be_solved() {
-  while (waiting_.size() > solvers_.free()) {
+  while (waiting_.size() > solvers_.without_job()) {
     conclude(waiting_.back().order.id, {});
     waiting_.pop_back();
   }

@@ -411,7 +411,7 @@ TEST_F(Cli, RowsThatWereEditedAreExportedWithAWarning) {
   const std::size_t line = rows.find("\n0.2,") + 1, torque = rows.rfind(',', rows.find('\n', line));
   rows.insert(torque + (rows[torque + 1] == '-' ? 2 : 1), "1");  // of motor 2, some way through: 4.9 becomes 14.9
   write("out/trajectory.csv", rows);
-  const auto is_told = HasSubstr("fjr: warning: out: the plan says that it is certified, and its rows are not: ");
+  const auto is_told = HasSubstr("fjr: warning: out: plan.json says that it is certified, and the rows are not: ");
   EXPECT_THAT(run({"export", "out", "--format", "csv"}).err, is_told);
   EXPECT_THAT(run({"report", "out"}).err, is_told);
 }

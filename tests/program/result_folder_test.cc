@@ -116,6 +116,10 @@ TEST_F(ResultFolder, AFolderWithTheNameOfAFileStopsNothingHalfWay) {
   EXPECT_THROW(NewResults{out_}, InputError);
   fs::remove(out_ / "report.html");
   EXPECT_EQ(owner_of(out_), "a");
+  fs::create_directories(out_ / kPrevious / "report.html");
+  EXPECT_THROW(NewResults{out_}, InputError);
+  fs::remove_all(out_ / kPrevious);
+  EXPECT_EQ(owner_of(out_), "a");
   write(out_ / kPrevious, "a file");
   EXPECT_THROW(NewResults{out_}, InputError);
 }

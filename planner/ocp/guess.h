@@ -20,6 +20,9 @@ struct Guess {
   // For a motion that may end anywhere: link angles [rad] at which it ends in a first solve, before the end is
   // optimised.
   std::optional<Joints<double>> first_end = {};
+  // [s] Upper bounds on the segments' durations in a first solve, which the next solve drops. Empty: there is no such
+  // first solve. Both apply where starts are tried (search/follow.h), and not where an explanation is looked for.
+  std::vector<double> first_longest = {};
 
   double duration() const { return std::accumulate(durations.begin(), durations.end(), 0.0); }
 };

@@ -35,6 +35,9 @@ std::vector<std::array<double, 2>> segment_durations(const Problem& problem) {
                                         : std::array<double, 2>{kShortestSegment, stretch.upper};
     }
   }
+  for (std::size_t s = 0; s < problem.variation.longest.size(); ++s) {
+    bounds[s][1] = std::clamp(problem.variation.longest[s], bounds[s][0], bounds[s][1]);
+  }
   return bounds;
 }
 

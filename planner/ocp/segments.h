@@ -12,7 +12,8 @@ namespace fjr {
 
 inline std::size_t segment_count(const Problem& problem) { return problem.via.size() + 1; }
 
-// Returns the bounds [s] on the duration of every segment; they are equal if via times fix it.
+// Returns the bounds [s] on the duration of every segment; they are equal if via times fix it. The upper ones are those
+// of ProblemVariation::longest, where it has any.
 std::vector<std::array<double, 2>> segment_durations(const Problem& problem);
 
 // Returns the bounds on sums of durations: one for every two prescribed times with several segments between them.

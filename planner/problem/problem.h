@@ -98,6 +98,7 @@ struct ProblemVariation {
   Reserve reserve;                           // margins for the arms of Problem::robust
   std::shared_ptr<const MotionPrice> price;  // added to the weighted terms
   std::optional<Pause> pause;                // in which an arm with time to spare waits
+  std::vector<double> longest;               // [s] of each segment; empty: what the request allows
 };
 
 inline constexpr const char* kDefaultMethod = "hermite-simpson";

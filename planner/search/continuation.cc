@@ -59,6 +59,7 @@ bool solve_first(Attempts& attempts, const ContinuationOptions& options, const C
   const bool plain_and_fastest = only_time(problem.weights) && count_of_rows(problem.task) == 0;
   const bool own = !has_reward(problem.weights) && (options.by_interior_point || plain_and_fastest);
   o.optimiser = own ? Optimiser::kInteriorPoint : Optimiser::kIpopt;
+  if (own && options.barrier) o.initial_barrier = *options.barrier;
   const double intervals = options.mesh_factor * coarse_intervals(problem, guess.duration(), attempts.settings().first);
   Smoothing smoothest = strategy.steps.front();
   smoothest.regularisation *= options.regularisation_factor;

@@ -46,6 +46,8 @@ struct ContinuationOptions {
   double width_factor = 1;  // factor on the width of the first solution's friction law; smaller is nearer to exact
   // Finds the first solution by our interior-point method instead of Ipopt, if that suits.
   bool by_interior_point = false;
+  // Our method begins with this barrier, because the guess is nearly a solution.
+  std::optional<double> barrier{};
   double iteration_factor = 1;                     // factor on the iterations of warm starts and homotopy steps
   std::optional<ContinuationStrategy> strategy{};  // the usual one, unless another is given
 };

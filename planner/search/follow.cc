@@ -1,5 +1,7 @@
 #include "planner/search/follow.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -61,14 +63,45 @@ std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<do
   return std::make_shared<const Problem>(std::move(given));
 }
 
-// Returns the start's guess. If that has a first end for a free joint (Guess::first_end), returns the motion solved
-// with this end fixed, if there is one.
-Guess with_first_end(const Start& start, int iterations, Session& session) {
-  if (!start.guess.first_end) return start.guess;
-  Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given",
+// The problem that a guess is solved for at first, where that is not the start's own one.
+struct FirstProblem {
+  std::shared_ptr<const Problem> problem;
+  std::string what;
+};
+
+std::optional<FirstProblem> first_problem(const Start& start) {
+  if (start.guess.first_end) return FirstProblem{ending_at(*start.alternative, *start.guess.first_end), "end given"};
+  if (start.guess.first_longest.empty()) return std::nullopt;
+  Problem bounded = *start.alternative;
+  bounded.variation.longest = start.guess.first_longest;
+  return FirstProblem{std::make_shared<const Problem>(std::move(bounded)), "segments bounded"};
+}
+
+// Returns the solution of the guess's first problem, if there is one.
+std::optional<Guess> first_motion(const Start& start, int iterations, Session& session) {
+  const std::optional<FirstProblem> first = first_problem(start);
+  if (!first) return std::nullopt;
+  Continuation c(first->problem, session, fmt::format("{}, {}", start.label, first->what),
                  {.by_interior_point = start.by_interior_point});
-  if (c.begin(start.guess, iterations) != StartOutcome::kNew) return start.guess;
+  if (c.begin(start.guess, iterations) != StartOutcome::kNew) return std::nullopt;
   return guess_of(c.solution());
+}
+
+// Begins a start; if its guess asks for that, from the solution of a first problem. With longer segments allowed, such
+// a solution mostly remains one, and a small barrier keeps it.
+Begun begin_start(const Start& start, int iterations, const std::vector<double>& known, Session& session) {
+  const std::optional<Guess> first = first_motion(start, iterations, session);
+  const auto begin = [&](std::optional<double> barrier) {
+    Continuation c(start.alternative, session, start.label,
+                   {.by_interior_point = start.by_interior_point, .barrier = barrier});
+    const StartOutcome outcome = c.begin(first.value_or(start.guess), iterations, known);
+    return Begun{std::move(c), outcome};
+  };
+  if (first && !start.guess.first_longest.empty()) {
+    Begun begun = begin(session.settings().follow.barrier_after_bounds);
+    if (begun.outcome != StartOutcome::kNoSolution || session.interrupted()) return begun;
+  }
+  return begin(std::nullopt);
 }
 
 // Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
@@ -146,8 +179,8 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found, const
   if (any_same(found.minima, objective, settings.continuation.first.same_minimum)) begun.outcome = StartOutcome::kKnown;
   if (begun.outcome == StartOutcome::kKnown) return TriedStart::kSomewhere;
   // Later starts that take many more iterations than this one are given up early. The limit counts iterations and not
-  // time, so that results are reproducible. A start whose end was fixed at first does not tell how hard others are.
-  if (!guess.first_end) {
+  // time, so that results are reproducible. A start with a first problem does not tell how hard others are.
+  if (!guess.first_end && guess.first_longest.empty()) {
     const FollowSettings& s = settings.follow;
     found.start_iterations =
         std::min(found.start_iterations, std::max(s.least_iterations, s.slower * first.iterations));
@@ -211,9 +244,7 @@ void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Ses
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {
   std::vector<std::optional<Begun>> begun(starts.size());
   const auto begin = [&, iterations = found.start_iterations](std::size_t i, Session& own) {
-    Continuation c(starts[i].alternative, own, starts[i].label, {.by_interior_point = starts[i].by_interior_point});
-    const StartOutcome outcome = c.begin(with_first_end(starts[i], iterations, own), iterations, found.minima);
-    begun[i] = Begun{std::move(c), outcome};
+    begun[i] = begin_start(starts[i], iterations, found.minima, own);
   };
   const std::vector<PieceOfWork> pieces =
       found.waiting.empty() ? session.do_all(starts.size(), begin)

@@ -1,6 +1,8 @@
 #include "planner/search/guesses.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -14,6 +16,7 @@
 #include "planner/problem/inverse_kinematics.h"
 #include "planner/problem/task/constraint.h"
 #include "planner/problem/tip_path.h"
+#include "planner/search/rigid_arm.h"
 #include "planner/trajectory/motion.h"
 
 namespace fjr {
@@ -31,131 +34,76 @@ struct Waypoint {
   Joints<double> q;
 };
 
-// Length [m] of the tip's path if both joints turn evenly.
-double tip_way(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
-  constexpr int kPieces = 32;
-  double path = 0;
-  Point<double> last = tip_position(problem.robot, from);
-  for (int i = 1; i <= kPieces; ++i) {
-    const double fraction = static_cast<double>(i) / kPieces;
-    const Point<double> tip = tip_position(
-        problem.robot, Joints<double>{std::lerp(from[0], to[0], fraction), std::lerp(from[1], to[1], fraction)});
-    path += std::hypot(tip.x - last.x, tip.y - last.y);
-    last = tip;
+// What a joint does at an end of a segment: [rad], [rad/s], [rad/s^2].
+struct JointMotion {
+  double q, dq, ddq;
+};
+
+// The quintic polynomial of the time from one to the other in `time` [s], as derivatives by the time at its fraction c.
+void set_quintic(const JointMotion& from, const JointMotion& to, double time, double c, std::size_t j, LinkMotion& m) {
+  const double d = to.q - from.q, v0 = from.dq * time, v1 = to.dq * time;
+  const double a0 = from.ddq * time * time, a1 = to.ddq * time * time;
+  const double k3 = 10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1, k4 = -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+               k5 = 6 * d - 3 * v0 - 3 * v1 - 0.5 * a0 + 0.5 * a1;
+  m.q[j] = from.q + c * (v0 + c * (a0 / 2 + c * (k3 + c * (k4 + c * k5))));
+  m.dq[j] = (v0 + c * (a0 + c * (3 * k3 + c * (4 * k4 + c * 5 * k5)))) / time;
+  m.ddq[j] = (a0 + c * (6 * k3 + c * (12 * k4 + c * 20 * k5))) / (time * time);
+  m.dddq[j] = (6 * k3 + c * (24 * k4 + c * 60 * k5)) / std::pow(time, 3);
+  m.ddddq[j] = (24 * k4 + c * 120 * k5) / std::pow(time, 4);
+}
+
+// Lets a passing last so long [s]. Velocities that the problem leaves open change with the times beside them.
+Passing lasting(const Problem& problem, const Passing& fastest, double duration) {
+  Passing slower = fastest;
+  slower.times = apportioned(problem, duration, fastest.times);
+  const std::size_t last = fastest.times.size();
+  for (std::size_t i = 1; i <= last; ++i) {
+    const bool open = i == last ? problem.goal.dq_free : !problem.via[i - 1].dq;
+    const auto beside = [&](const Passing& passing) {
+      return passing.times[i - 1] + (i < last ? passing.times[i] : 0);
+    };
+    for (double& v : slower.velocities[i]) v *= open ? beside(fastest) / beside(slower) : 1;
   }
-  return path;
+  return slower;
 }
 
-// Accelerations [rad/s^2] that the limits of torque allow each joint of a rigid, stretched arm, without gravity.
-Joints<double> rigid_acceleration(const Problem& problem) {
-  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
-  const Joints<double> inertia{stretched.m11, stretched.m22};
-  Joints<double> acceleration;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    acceleration[j] = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
-  }
-  return acceleration;
-}
-
-// [s] The least that the limits of speed allow, and what a segment is given at least.
-double time_at_full_speed(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
-  double time = 0.02;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    time = std::max(time, std::abs(to[j] - from[j]) / problem.limits.motor_velocity[j]);
-  }
-  if (!std::isfinite(problem.limits.tip_speed)) return time;
-  return std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
-}
-
-// Rough duration [s] of one segment from rest to rest: that of a rigid arm within the limits of torque and speed.
-double segment_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
-  const Joints<double> acceleration = rigid_acceleration(problem);
-  double time = time_at_full_speed(problem, from, to);
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    time = std::max(time, 2 * std::sqrt(std::abs(to[j] - from[j]) / acceleration[j]));
-  }
-  return time;
-}
-
-std::vector<double> segment_times(const Problem& problem) {
-  const auto points = waypoints(problem);
-  std::vector<double> times;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(segment_time(problem, points[i], points[i + 1]));
-  return times;
-}
-
-// [s] The shortest time over `distance` [rad] from velocity `from` to velocity `to` [rad/s] of a double integrator with
-// accelerations of at most `most` [rad/s^2]: all of it one way, up to a peak of the velocity, and then the other way.
-double bang_bang_time(double distance, double from, double to, double most) {
-  constexpr double kRounding = 1e-9;  // [s]
-  double shortest = kNoLimit;
-  for (const double first : {most, -most}) {
-    const double square = std::max(0.0, first * distance + (from * from + to * to) / 2);
-    for (const double peak : {std::sqrt(square), -std::sqrt(square)}) {
-      const double until_peak = (peak - from) / first, after_it = (peak - to) / first;
-      if (until_peak >= -kRounding && after_it >= -kRounding) shortest = std::min(shortest, until_peak + after_it);
-    }
-  }
-  return shortest;
-}
-
-// Velocities [rad/s] at start, via points and goal: those that are given, and else the mean ones of both neighbouring
-// segments, which take these times [s]; zero where a joint turns back.
-std::vector<Joints<double>> passing_velocities(const Problem& problem, const std::vector<Joints<double>>& points,
-                                               const std::vector<double>& times) {
-  const auto mean = [&](std::size_t segment, std::size_t j) {
-    return (points[segment + 1][j] - points[segment][j]) / times[segment];
-  };
-  const std::size_t last = points.size() - 1;
-  std::vector<Joints<double>> velocities{problem.start.dq};
-  for (std::size_t i = 1; i < last; ++i) {
-    Joints<double> open{};
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double before = mean(i - 1, j), after = mean(i, j);
-      open[j] = before * after > 0 ? (before + after) / 2 : 0;
-    }
-    velocities.push_back(problem.via[i - 1].dq.value_or(open));
-  }
-  velocities.push_back(problem.goal.dq_free ? Joints<double>{mean(last - 1, 0), mean(last - 1, 1)} : problem.goal.dq);
-  return velocities;
-}
-
-// Times [s] that a rigid arm takes from point to point with passing_velocities(). Each depends on the other; they
-// settle within a few rounds.
-std::vector<double> passing_times(const Problem& problem) {
-  constexpr int kRounds = 10;
+// Returns the accelerations [rad/s^2] of joint j at start, via points and goal with which its polynomials jerk least:
+// that of the start is given, that of a goal at rest is zero, and elsewhere the jerk is continuous, or zero at the end.
+// The springs at the start accelerate a link for a moment only. Where the first segment lasts longer than
+// `fastest_first` [s], a polynomial with all of that acceleration would swing far out.
+Eigen::VectorXd passing_accelerations(const Problem& problem, const Passing& passing, double fastest_first,
+                                      std::size_t j) {
   const std::vector<Joints<double>> points = waypoints(problem);
-  const Joints<double> acceleration = rigid_acceleration(problem);
-  std::vector<double> times = segment_times(problem);
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<Joints<double>> velocities = passing_velocities(problem, points, times);
-    for (std::size_t segment = 0; segment + 1 < points.size(); ++segment) {
-      const Joints<double>&from = velocities[segment], &to = velocities[segment + 1];
-      double time = time_at_full_speed(problem, points[segment], points[segment + 1]);
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const double distance = points[segment + 1][j] - points[segment][j];
-        time = std::max(time, bang_bang_time(distance, from[j], to[j], acceleration[j]));
-      }
-      times[segment] = time;
-    }
+  const auto last = static_cast<Eigen::Index>(passing.times.size());
+  Eigen::MatrixXd of_jerk = Eigen::MatrixXd::Zero(last + 1, last + 1);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(last + 1);
+  for (Eigen::Index i = 0; i < last; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double time = passing.times[k], distance = points[k + 1][j] - points[k][j];
+    const double v0 = passing.velocities[k][j] * time, v1 = passing.velocities[k + 1][j] * time;
+    of_jerk(i, i) += 9 / time;
+    of_jerk(i, i + 1) = of_jerk(i + 1, i) = -3 / time;
+    of_jerk(i + 1, i + 1) += 9 / time;
+    right(i) += (60 * distance - 36 * v0 - 24 * v1) / std::pow(time, 3);
+    right(i + 1) -= (60 * distance - 24 * v0 - 36 * v1) / std::pow(time, 3);
   }
-  return times;
-}
-
-// The quintic polynomial of the time from (a, va) to (b, vb) in `time` without acceleration at both ends, as
-// derivatives by the time at its fraction c.
-void set_quintic(double a, double va, double b, double vb, double time, double c, std::size_t j, LinkMotion& to) {
-  const double d = b - a, v0 = va * time, v1 = vb * time;
-  const double k3 = 10 * d - 6 * v0 - 4 * v1, k4 = -15 * d + 8 * v0 + 7 * v1, k5 = 6 * d - 3 * v0 - 3 * v1;
-  to.q[j] = a + c * (v0 + c * c * (k3 + c * (k4 + c * k5)));
-  to.dq[j] = (v0 + c * c * (3 * k3 + c * (4 * k4 + c * 5 * k5))) / time;
-  to.ddq[j] = c * (6 * k3 + c * (12 * k4 + c * 20 * k5)) / (time * time);
-  to.dddq[j] = (6 * k3 + c * (24 * k4 + c * 60 * k5)) / std::pow(time, 3);
-  to.ddddq[j] = (24 * k4 + c * 120 * k5) / std::pow(time, 4);
+  const auto prescribe = [&](Eigen::Index i, double acceleration) {
+    of_jerk.row(i).setZero();
+    of_jerk(i, i) = 1;
+    right(i) = acceleration;
+  };
+  const double slower = std::min(1.0, fastest_first / passing.times.front());
+  if (problem.start_at_rest) {
+    prescribe(0, 0);
+  } else {
+    prescribe(0, slower * slower * link_acceleration(problem.robot, problem.start)[j]);
+  }
+  if (problem.goal.at_rest) prescribe(last, 0);
+  return of_jerk.partialPivLu().solve(right);
 }
 
 std::vector<double> durations_of(const Problem& problem, double duration) {
-  return apportioned(problem, duration, segment_times(problem));
+  return apportioned(problem, duration, times_between_rests(problem));
 }
 
 std::vector<Waypoint> timed_waypoints(const Problem& problem, const std::vector<double>& durations) {
@@ -344,23 +292,25 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
 }
 
 Guess passing_guess(const Problem& problem) {
-  const std::vector<double> times = passing_times(problem);
-  // Velocities that are given leave no choice: in twice the time an arm that passes points with them has to go round.
-  const double usual = std::max(kShortest, sum_of(times) * kWithSprings);
-  const double duration = std::clamp(usual, problem.duration.min, problem.duration.max);
-  const std::vector<double> durations = apportioned(problem, duration, times);
-  const auto points = timed_waypoints(problem, durations);
-  const std::vector<Joints<double>> velocities = passing_velocities(problem, waypoints(problem), durations);
-  const auto flat = [points, duration, velocities, robot = problem.robot](double s) {
+  const Passing fastest = fastest_passing(problem);
+  const double duration = std::clamp(sum_of(fastest.times), problem.duration.min, problem.duration.max);
+  const Passing passing = lasting(problem, fastest, duration);
+  const auto points = timed_waypoints(problem, passing.times);
+  std::array<Eigen::VectorXd, kJoints> accelerations;
+  for (std::size_t j = 0; j < kJoints; ++j)
+    accelerations[j] = passing_accelerations(problem, passing, fastest.times.front(), j);
+  const auto flat = [points, passing, accelerations, robot = problem.robot](double s) {
     const auto [segment, fraction, inside] = place_at(points, s);
+    const auto at = [&](std::size_t i, std::size_t j) {
+      return JointMotion{points[i].q[j], passing.velocities[i][j], accelerations[j](static_cast<Eigen::Index>(i))};
+    };
     LinkMotion m;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      set_quintic(points[segment].q[j], velocities[segment][j], points[segment + 1].q[j], velocities[segment + 1][j],
-                  fraction * duration, inside, j, m);
+      set_quintic(at(segment, j), at(segment + 1, j), passing.times[segment], inside, j, m);
     }
     return from_link_motion(robot, m);
   };
-  return {"passing", durations, [flat](double s) { return flat(s).state; },
+  return {"passing", passing.times, [flat](double s) { return flat(s).state; },
           [flat](double s) { return flat(s).compensated_torque; }};
 }
 
@@ -570,7 +520,7 @@ Guess first_segments_of(const Guess& guess, std::size_t count) {
 
 double usual_duration(const Problem& problem) {
   const bool hurried = starts_worth_trying(problem.weights) == 1;
-  return std::max(kShortest, sum_of(segment_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);
+  return std::max(kShortest, sum_of(times_between_rests(problem))) * (hurried ? kWithSprings : kWithoutHurry);
 }
 
 double duration_guess(const Problem& problem) {

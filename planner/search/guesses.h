@@ -19,10 +19,9 @@ Guess straight_guess(const Problem& problem, double duration);
 // Minimum-jerk q between the same points, everything else by flatness. u is the torque without friction.
 Guess minimum_jerk_guess(const Problem& problem, double duration);
 
-// Passes start, via points and goal without stopping at them, by q in quintic polynomials of the time and everything
-// else by flatness. Velocities that the problem leaves open are the mean ones of both neighbouring segments, or zero
-// where a joint turns back. It lasts 1.3 times as long as a rigid arm takes between these velocities, roughly, within
-// the problem's bounds.
+// Passes start, via points and goal without stopping at them, by q in quintic polynomials of the time that jerk least,
+// and everything else by flatness. It has the times and velocities of fastest_passing(). If the problem's bounds ask
+// for a longer or shorter motion, velocities that are left open are smaller or larger by as much.
 Guess passing_guess(const Problem& problem);
 
 // Link angles one after the other [rad], with straight lines between.

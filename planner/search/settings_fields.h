@@ -144,6 +144,7 @@ constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"thorough", "1", 1, 10}, s.thorough);
   visit({"waiting", "1", 0, 0.9}, s.waiting);
   visit({"further", "1", 0, 100}, s.further);
+  visit({"longest_passing", "1", 1, 1000}, s.longest_passing);
   visit(fraction_key("throwing_speed"), s.throwing_speed);
   visit({"far_away", "rad", 0, 3}, s.far_away);
   visit({"for_neighbour", "1", 1, 100}, s.for_neighbour);
@@ -176,6 +177,7 @@ constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"most_with_friction", "1", 1, 100}, s.most_with_friction);
   visit({"long_motion", "s", 0, 1000}, s.long_motion);
   visit({"far_too_long", "1", 1, 100}, s.far_too_long);
+  visit({"barrier_after_bounds", "1", 1e-11, 0.1}, s.barrier_after_bounds);
 }
 
 template <SettingsOf<RaceSettings::Gap> S, class Visit>

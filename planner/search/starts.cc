@@ -121,15 +121,28 @@ std::vector<Guess> guesses_of_other_ends(const Problem& problem, const StartSett
 
 // Returns whether a guess is wanted that passes the via points without stopping. From guesses that stop at each of them
 // an arm that moves already turns back there (8 of 12 motions with two via points, or one with a velocity, took up
-// to 2.7 times as long), and so does a fastest motion that is to have a velocity at one: of 143 random ones, 12 took 22
-// to 74 % longer and 7 were refused. Other objectives have more starts anyway.
+// to 2.7 times as long). So does a fastest motion that is to have a velocity at one (of 143 random ones, 12 took 22 to
+// 74 % longer and 7 were refused) or at the goal. Other objectives have more starts anyway.
 bool passes_vias_moving(const Problem& problem) {
-  const bool any_velocity = std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) {
-    return via.dq && (*via.dq)[0] * (*via.dq)[0] + (*via.dq)[1] * (*via.dq)[1] > 0;
-  });
-  return (!problem.start_at_rest && !problem.via.empty()) || (any_velocity && only_time(problem.weights));
+  if (problem.via.empty()) return false;
+  if (!problem.start_at_rest) return true;
+  const auto moves = [](const Joints<double>& dq) { return dq[0] * dq[0] + dq[1] * dq[1] > 0; };
+  const bool any_velocity =
+      moves(problem.goal.dq) ||
+      std::any_of(problem.via.begin(), problem.via.end(), [&](const Via& via) { return via.dq && moves(*via.dq); });
+  return any_velocity && only_time(problem.weights);
 }
 constexpr int kPlain = 3;  // the passing guess, minimum jerk and straight
+
+// Returns the guess that passes via points. A fastest motion's segments are bounded at first: a joint that moves either
+// gets to the next point at once or has to go back and come again, and an optimiser that has begun to lengthen a
+// segment for the latter seldom returns.
+Guess passing_start(const Problem& problem, const StartSettings& settings) {
+  Guess guess = passing_guess(problem);
+  if (!only_time(problem.weights) || problem.duration.fixed()) return guess;
+  for (const double time : guess.durations) guess.first_longest.push_back(settings.longest_passing * time);
+  return guess;
+}
 
 std::vector<Guess> plain_guesses(const Problem& problem, double duration) {
   // From minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
@@ -283,7 +296,7 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
     if (!keeps_clear && !smooth.empty()) starts.guesses.back().along_path_again = smooth[i];
   }
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
-  if (passes_vias_moving(problem)) add({passing_guess(problem)}, FirstSolve::kByIpopt, starts);
+  if (passes_vias_moving(problem)) add({passing_start(problem, settings)}, FirstSolve::kByIpopt, starts);
   const std::vector<Guess> other_ends = guesses_of_other_ends(problem, settings);
   const bool own = keeps_clear || (sees_friction(problem.weights) && count_of_rows(problem.task) == 0);
   const FirstSolve later_solves = own ? FirstSolve::kByInteriorPoint : FirstSolve::kByIpopt;

@@ -12,6 +12,7 @@ struct StartSettings {
   int thorough = 4;             // times the usual number of starts for `search: thorough`
   double waiting = 0.4;         // fraction of the duration that a guess waits
   std::size_t further = 2;      // starts after the plain and the waiting ones, while none leads anywhere
+  double longest_passing = 3;   // times as long as in the passing guess a segment may be in a first solve
   double throwing_speed = 0.7;  // fraction of the motors' speeds that guesses of throws have at the release
   double far_away = 0.8;        // [rad] that straight guesses are displaced by
   int for_neighbour = 4;        // starts that a neighbouring problem is worth
@@ -52,6 +53,7 @@ struct FollowSettings {
   double long_motion = 8;  // [s] Coarse meshes of longer motions do not resolve the oscillation of the springs.
   // Times the longest duration, beyond which a long fastest motion is not refined.
   double far_too_long = 1.15;
+  double barrier_after_bounds = 1e-4;  // where a guess was solved with bounded segments, and is solved without
 };
 
 // Which motions are followed along the homotopy (race.h).

@@ -27,7 +27,7 @@ double tip_way(const Problem& problem, const Joints<double>& from, const Joints<
   return path;
 }
 
-// Accelerations [rad/s^2] that the limits of torque allow each joint alone, without gravity.
+// Accelerations [rad/s^2] that the limits of torque allow each joint alone, without gravity. elbow: q2 [rad].
 Joints<double> rigid_acceleration(const Problem& problem, double elbow) {
   const MassMatrix<double> mass = mass_matrix(problem.robot, elbow);
   const Joints<double> inertia{mass.m11, mass.m22};
@@ -231,7 +231,7 @@ double shortest_common_time(const std::array<JointTransfer, kJoints>& transfers,
 
 Passing fastest_passing(const Problem& problem) {
   constexpr int kRounds = 6;
-  constexpr std::ptrdiff_t kMany = 8;  // points: a coarser grid is enough beside the times of their optimiser
+  constexpr std::ptrdiff_t kMany = 8;  // open velocities; with more of them the grid is coarser, in a tenth of the time
   const std::vector<Way> segments = ways(problem);
   const std::vector<std::optional<Joints<double>>> prescribed = prescribed_velocities(problem);
   const int each_way = std::count(prescribed.begin(), prescribed.end(), std::nullopt) > kMany ? 2 : 4;
